@@ -46,7 +46,8 @@ Array = np.ndarray
 Tolerances = Callable[[Mapping[str, float]], Mapping[str, float]]
 
 FIRST_SIZES = (13, 23, 41)
-# Other first meshes, tried once where the iteration fails: they have other active sets.
+# Other first meshes, tried once where the iteration fails: they have other active sets.  Each
+# further mesh is then the next but one of SIZES.
 OTHER_SIZES = (17, 29, 45)
 # Sizes of all further meshes: with few different ones, what depends on the mesh alone is reused,
 # and neighbouring problems are solved on the same meshes.
@@ -224,8 +225,11 @@ def refine(
         for first in (FIRST_SIZES, OTHER_SIZES)
     )
 
-    def refine_from(sizes: list[int], start: Refinement | None) -> Refinement:
-        """Solve on the meshes ``sizes``, then on further ones, with a warm start or without."""
+    def refine_from(sizes: list[int], start: Refinement | None, larger: int) -> Refinement:
+        """Solve on the meshes ``sizes``, then on further ones, with a warm start or without.
+
+        ``larger`` is the number of sizes that are skipped to each further mesh.
+        """
         refinement = Refinement()
         while True:
             for size in sizes:
@@ -242,18 +246,19 @@ def refine(
             if nodes or is_last or refinement.last.size >= most_nodes:
                 refinement.meshes[-1] = _solve_to_final_tolerance(refinement.last)
                 return refinement
-            sizes = [min(predicted_size(refinement.last.size, ratio), most_nodes)]
+            sizes = [min(predicted_size(refinement.last.size, ratio, larger), most_nodes)]
 
-    # sizes of the meshes and warm start of each attempt
-    attempts: list[tuple[list[int], Refinement | None]] = [(sequence, None), (alternative, None)]
+    # first meshes, warm start, and sizes to be skipped of each attempt
+    attempts: list[tuple[list[int], Refinement | None, int]]
+    attempts = [(sequence, None, 0), (alternative, None, 1)]
     if start is not None:
-        attempts.insert(0, (sequence, start))
+        attempts.insert(0, (sequence, start, 0))
         if nodes and not errors:
-            attempts.insert(0, ([nodes], start))
+            attempts.insert(0, ([nodes], start, 0))
     failure: ArithmeticError
-    for sizes, guess in attempts:
+    for sizes, guess, larger in attempts:
         try:
-            return refine_from(sizes, guess)
+            return refine_from(sizes, guess, larger)
         except ArithmeticError as stop:  # of the iteration, or of a body under an iterate
             failure = stop
     raise NewtonFailed(str(failure)) from failure
@@ -348,12 +353,13 @@ def sizes_up_to(nodes: int, first: tuple[int, ...] = FIRST_SIZES) -> list[int]:
     return [*sizes, *(round(sizes[-1] * ratio ** (k / steps)) for k in range(1, steps)), nodes]
 
 
-def predicted_size(last: int, ratio: float) -> int:
+def predicted_size(last: int, ratio: float, larger: int = 0) -> int:
     """Return the size of the next mesh from the ratio of error estimate and tolerance.
 
     The error is of order two in 1/N: N = last sqrt(ratio/TARGET_SHARE), within the limits of the
-    growth, is rounded to one of SIZES.
+    growth, is rounded to one of SIZES, or to that which follows ``larger`` places later.
     """
     wanted = sqrt(ratio / TARGET_SHARE) if ratio < inf else MAX_GROWTH
     growth = min(max(wanted, MIN_GROWTH), MAX_GROWTH)
-    return next((size for size in SIZES if size >= (1 - ROUNDED_DOWN) * growth * last), SIZES[-1])
+    permitted = [size for size in SIZES if size >= (1 - ROUNDED_DOWN) * growth * last]
+    return permitted[larger] if larger < len(permitted) else SIZES[-1]
