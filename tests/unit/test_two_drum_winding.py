@@ -135,6 +135,10 @@ def test_full_slip_has_the_tension_of_light_loads() -> None:
     # the reported tension is linear in between, to 0.03 % of the default accuracy
     found = np.interp(r, result.radius, result.wound_on_tension)
     np.testing.assert_allclose(found, T, rtol=4e-4)
+    # friction on the arcs has an effect, and the wrap on the rear drum belongs to its capacity
+    assert not {"wrap_friction", "drum_wrap"} & set(problem.unused)
+    slippery = wo.solve(problem.replace(wrap_friction=MU / 4)).wound_on_tension
+    assert slippery[0] > 1.05 * result.wound_on_tension[0]
 
 
 # ---- result, margins, report --------------------------------------------------------------------

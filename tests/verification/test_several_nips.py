@@ -93,8 +93,8 @@ def test_two_nips_are_those_of_the_coupled_solver(seed: int) -> None:
     """The coupled solver has a mesh error of 0.1 to 0.2 % with 32 cells and soft covers."""
     problem = random_case(seed)
     found, known = wo.solve(problem), coupled(problem)
-    error = found.errors["roll_wound_on_tension"]
-    tolerance = MESHES * known.closed_tension + 1.5 * error
+    estimate = 1.5 * found.errors["roll_wound_on_tension"]
+    tolerance = MESHES * known.closed_tension + min(estimate, MESHES * known.closed_tension)
     assert found.roll_wound_on_tension == pytest.approx(known.closed_tension, abs=tolerance)
     assert found.contacts[1].least_tension == pytest.approx(
         known.on_arc(0).min(),
@@ -324,10 +324,15 @@ def test_units_of_force_do_not_matter() -> None:
 
 
 def test_an_angle_of_half_a_turn_and_a_short_one() -> None:
-    """The gain falls steadily with the arc between the nips, and vanishes beyond the slip."""
+    """The gain falls steadily with the arc between the nips, and vanishes beyond the slip.
+
+    On a short arc friction hardly holds the web: the second nip adds a third of what the same load
+    adds alone or more; at two heavy nips it is a quarter (83 of 352 N/m 0.7 rad apart).
+    """
+    alone = wo.solve(NEWSPRINT.replace(nip_load=1000.0), nodes=41).nip_induced_tension
     gains = [gain(two(angle, 1000.0), nodes=41) for angle in (0.08, 0.2, 0.4, 0.8, 1.5, 3.0)]
     assert np.diff(gains).max() < 1.0  # the mesh error of a difference
-    assert gains[0] > 20.0
+    assert gains[0] > alone / 4
     assert gains[-1] == pytest.approx(0.0, abs=2.5)  # the nip squeezes the ring
 
 
@@ -337,6 +342,33 @@ def test_a_braking_and_a_driving_front_drum() -> None:
     closed = [wo.solve(two(1.0, 600.0, F), nodes=41).roll_wound_on_tension for F in forces]
     assert np.diff(closed).min() > -0.5  # mesh error
     assert np.diff(closed).max() < np.diff(forces).max()  # an arc passes on less than the force
+
+
+# ---- viscoelastic drums -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rear_is_covered", [False, True])
+def test_rolling_resistance_of_all_drums(rear_is_covered: bool, tmp_path: Any) -> None:
+    """Each cover loses what it loses in a nip alone: the other nip changes its tension only.
+
+    Tension and tractions change the loss of a cover by a few percent.
+    """
+    rubber = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.45, prony=[(3e6, 1e-3)])
+    covered = wo.Cylinder(radius=0.25, core_radius=0.235, material=rubber)
+    rear = covered if rear_is_covered else DRUM
+    front = wo.NextNip(angle=1.5, drum=covered, nip_load=2000.0)
+    plain = NEWSPRINT.replace(drum=rear, web_speed=15.0 if rear_is_covered else None)
+    with pytest.raises(wo.InvalidProblem, match=r"web_speed: missing; .* next_nips\.0\.drum|drum"):
+        NEWSPRINT.replace(drum=rear, next_nips=[front], roll_wrap=3.5)
+    found = wo.solve(plain.replace(next_nips=[front], web_speed=15.0, roll_wrap=3.5), nodes=41)
+    of_front = wo.solve(NEWSPRINT.replace(drum=covered, nip_load=2000.0, web_speed=15.0), nodes=41)
+    expected = of_front.rolling_resistance
+    if rear_is_covered:
+        expected += wo.solve(plain, nodes=41).rolling_resistance
+    assert found.rolling_resistance == pytest.approx(expected, rel=0.05)
+    assert found.errors["rolling_resistance"] > 0
+    found.save(tmp_path / "nips.json")
+    assert wo.load_result(tmp_path / "nips.json") == found
 
 
 # ---- the Jacobian -------------------------------------------------------------------------------

@@ -171,7 +171,7 @@ class _Coupling:
     Attributes
     ----------
     by_inlet_tension : list of Jacobian
-        dR_k/dT_k, one column each; those of nip 1 are zero.
+        dR_k/dT_k, one column each; that of nip 1, whose T_k is given, is not used.
     laid_by_closed, laid_by_tension : float
         dE/dW, and dE/dT_K at fixed u_K.
     inlet_tensions : (K+1, size) array
@@ -299,7 +299,7 @@ class SeveralNips:
         centres = self.centres(halves)
         faces = [nip.mesh(a).roll_face for nip, a in zip(self.nips, halves, strict=True)]
         for j, (face, a) in enumerate(zip(faces, halves, strict=True)):
-            surface = self.problem.roll.surface(face, a, self.problem.rolling_speed)
+            surface = self.problem.roll.surface(face, a, self.nips[j].problem.rolling_speed)
             others = [i for i in range(len(faces)) if i != j]
             points = [centres[i] - centres[j] + halves[i] * faces[i].points for i in others]
             tangent = surface.tangent_outside(np.concatenate(points))
@@ -539,13 +539,12 @@ class SeveralNips:
         out["roll_wound_on_tension"] = each[-1]["roll_wound_on_tension"]
         out["peak_pressure"] = max(one["peak_pressure"] for one in each)
         # the friction of the roll downstream of the first nip
-        out["roll_wrap_traction"] = (
-            sum(
-                float(own.geometry.a * own.geometry.mesh.weights @ own.fields.q_roll)
-                for own in state.nips[1:]
-            )
-            + (each[0]["roll_wrap_traction"])
-        )
+        by_drums = sum(nip.winding_force for nip in self.problem.next_nips)
+        out["roll_wrap_traction"] = out["wound_on_tension"] - out["outlet_tension"] - by_drums
+        if self.problem.viscoelastic:
+            out["rolling_resistance"] = sum(one.get("rolling_resistance", 0.0) for one in each)
+            speed = self.problem.rolling_speed
+            out["dissipated_power"] = speed * out["rolling_resistance"]
         for k, one in enumerate(each[1:], 1):
             out |= {f"contacts.{k}.{name}": one[name] for name in OF_CONTACT}
         return out

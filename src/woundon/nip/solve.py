@@ -40,11 +40,16 @@ from .equations import NipEquations
 from .load_limit import bending_text, check_load
 from .outputs import SLIP_RATIOS, NipSystem, error_estimates
 from .result import NipResult
-from .several_nips import check_nips, system_of
+from .several_nips import SeveralNips, check_nips, system_of
 from .validity import nip_warnings, web_far_outside
 
 __all__ = ["check_options", "solve_nip", "solve_with_film"]
 
+# Scalar outputs that are fields of a result.
+SCALARS = (
+    *("roll_wound_on_tension", "half_width", "approach", "offset", "drum_creepage"),
+    *SLIP_RATIOS,
+)
 # Default criterion: relative error of the wound-on tension, and the nip-induced tension's error
 # relative to it; the largest mesh of the default and of an explicit tolerance.
 RTOL, TENSION_RATIO = 1e-3, 20.0
@@ -375,9 +380,9 @@ def result_of(
     """Return the result of the last mesh with its certificate, errors and warnings."""
     equations, state, active = refinement.last.system, refinement.last.state, refinement.last.active
     arrays, outputs = equations.arrays(state, active), refinement.last.outputs
-    kernels = [body.kernels() for body in problem.bodies if hasattr(body, "kernels")]
-    scalars = "roll_wound_on_tension", "half_width", "approach", "offset", "drum_creepage"
-    values: dict[str, Any] = {name: outputs[name] for name in (*scalars, *SLIP_RATIOS)} | arrays
+    bodies = problem.named_bodies.values()
+    kernels = [body.kernels() for body in bodies if hasattr(body, "kernels")]
+    values: dict[str, Any] = {name: outputs[name] for name in SCALARS} | arrays
     result = NipResult(
         problem=problem,
         residuals=Residuals(),
@@ -396,7 +401,24 @@ def result_of(
         residuals=certificate(result, equations),
         warnings=(
             *film_warnings,
-            *nip_warnings(result),
+            *_warnings_of_all_nips(result, equations, state, active),
             *inconsistencies(refinement.meshes[-REPORTED - 1 :]),
         ),
     )
+
+
+def _warnings_of_all_nips(
+    result: NipResult, system: NipSystem | SeveralNips, state: Any, active: np.ndarray
+) -> list[str]:
+    """Return the warnings of the first nip, and those that further nips have in addition."""
+    texts = list(nip_warnings(result))
+    if isinstance(system, NipSystem):
+        return texts
+    parts = list(zip(system.nips, state.nips, system.tractions, strict=True))
+    for k, (nip, own, nodes) in enumerate(parts[1:], 2):
+        outputs = nip.outputs(own, active[nodes])
+        values: dict[str, Any] = {name: outputs[name] for name in SCALARS}
+        values |= nip.arrays(own, active[nodes])
+        single = NipResult(problem=nip.problem, residuals=Residuals(), **values)
+        texts += [f"nip {k}: {text}" for text in nip_warnings(single) if text not in texts]
+    return texts

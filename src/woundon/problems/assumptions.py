@@ -41,7 +41,12 @@ NO_WRAP = (
 
 def of_nip(problem: Any) -> tuple[str, ...]:
     """Return the assumptions of a nip."""
-    bodies = (text for name in ("roll", "drum") for text in _body(name, getattr(problem, name)))
+    names = {f"next_nips.{k}.drum": f"drum of nip {k + 2}" for k in range(len(problem.next_nips))}
+    bodies = (
+        text
+        for name, body in problem.named_bodies.items()
+        for text in _body(names.get(name, name), body)
+    )
     web = "linear elastic" if problem.web.linear else "a stack that hardens under pressure"
     return (
         PLANE,

@@ -43,6 +43,11 @@ class ContactProblem(Problem):
         body_1, body_2 = (getattr(self, name) for name in self.pair)
         return body_1, body_2
 
+    @property
+    def named_bodies(self) -> dict[str, Body]:
+        """All bodies by their dotted names."""
+        return {name: getattr(self, name) for name in self.pair}
+
     @cached_property
     def contact_radius(self) -> float:
         """R* with 1/R* = 1/R1 + 1/R2 [m]."""
@@ -50,9 +55,8 @@ class ContactProblem(Problem):
 
     @cached_property
     def linear(self) -> bool:
-        """True if both bodies are linear."""
-        body_1, body_2 = self.bodies
-        return body_1.linear and body_2.linear
+        """True if all bodies are linear."""
+        return all(body.linear for body in self.named_bodies.values())
 
     @property
     def thinning(self) -> float:
@@ -75,11 +79,11 @@ class ContactProblem(Problem):
     @cached_property
     def viscoelastic(self) -> bool:
         """True if one of the bodies is viscoelastic."""
-        return any(body.viscoelastic for body in self.bodies)
+        return any(body.viscoelastic for body in self.named_bodies.values())
 
     def uses_of_speed(self) -> Iterator[tuple[str, str]]:
         """Yield (field, reason) for every part of the problem that depends on the speed."""
-        for name, body in zip(self.pair, self.bodies, strict=True):
+        for name, body in self.named_bodies.items():
             if body.viscoelastic:
                 yield name, f"{name} is of a viscoelastic material"
 

@@ -65,8 +65,11 @@ def _number_of_field(
 
 
 def listed(value: Any) -> Any:
-    """Return an array as a list, which pydantic validates; reject a set, which has no order."""
-    if isinstance(value, (set, frozenset)):
+    """Return an array as a list, which pydantic validates.
+
+    Reject a set, which has no order, and a description, whose fields would be taken for items.
+    """
+    if isinstance(value, (set, frozenset, BaseModel)):
         raise NotAList
     return value.tolist() if is_array(value) else value
 

@@ -17,7 +17,7 @@ from ..quantities import angle, length, line_load, pure, tension, velocity
 from . import wound_roll as wound_roll  # registers its body
 from .air import Air
 from .assumptions import of_nip
-from .bodies import AnyBody, Cylinder, Rigid
+from .bodies import AnyBody, Body, Cylinder, Rigid
 from .consistency import different_moduli
 from .contact_problem import ContactProblem
 from .fields import Nested, Number, OptionalNested, OptionalNumber, default
@@ -331,7 +331,13 @@ class NipProblem(ContactProblem):
     @cached_property
     def linear(self) -> bool:
         """True if the bodies and the web are linear."""
-        return self.web.linear and all(body.linear for body in self.bodies)
+        return self.web.linear and super().linear
+
+    @property
+    def named_bodies(self) -> dict[str, Body]:
+        """Roll, drum and the drums of further nips by their dotted names."""
+        further = {f"next_nips.{k}.drum": nip.drum for k, nip in enumerate(self.next_nips)}
+        return super().named_bodies | further
 
     @property
     def thinning(self) -> float:

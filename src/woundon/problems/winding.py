@@ -81,6 +81,9 @@ LOADS = ("nip_load", "winding_force", "web_tension")
 NIP_FIELDS = frozenset({"web", "drum", "roll_friction", "drum_friction", *WRAP_TABLE["wrap"]})
 # Parts of a winding whose only effect is that of its nips; without a winder the drum is another.
 OF_NIP = ("web.material", *WRAP_TABLE["wrap"], "roll_body")
+# on two drums friction on the wraps is a part of the loads, and of full slip
+OF_NIP_ALONE = ("web.material", "roll_wrap", "roll_body")
+ROUNDED = 1e-9  # by which a radius may lie outside of the roll
 HELD = 0.8  # largest part of the arc from the last nip to the rear drum that is the roll wrap
 CHECKED_RADII = 257  # radii, in addition to all kinks, at which a steady state must exist
 
@@ -498,7 +501,7 @@ class WindingProblem(Problem):
         Raises
         ------
         InvalidProblem
-            Without a winder.
+            Without a winder, or for a radius that the roll does not have.
 
         Examples
         --------
@@ -512,7 +515,7 @@ class WindingProblem(Problem):
         """
         if self.winder is None:
             raise InvalidProblem.at("winder", "missing; must be given for the loads of its drums")
-        r = np.asarray(r, dtype=float)
+        r = self._checked_radii(r)
         assert self.density is not None  # required with a winder
         return balanced_loads(
             r,
@@ -524,6 +527,20 @@ class WindingProblem(Problem):
             self.at("winding_force", r),
             self.at("winder.core_torque", r) / r,
         )
+
+    def _checked_radii(self, r: ArrayLike) -> Array:
+        """Return radii of the roll [m] as an array; reject what is none."""
+        low, high = self.core.radius, self.radius
+        must = f"must be >= core.radius = {low:.6g} and <= radius = {high:.6g} [m]"
+        try:
+            radii = np.asarray(r, dtype=float)
+        except (TypeError, ValueError):
+            raise InvalidProblem.at("r", f"{quote(r)} is out of place; {must}") from None
+        outside = ~((radii >= low * (1 - ROUNDED)) & (radii <= high * (1 + ROUNDED)))
+        if outside.any():
+            wrong = quote(float(radii[outside].flat[0]))
+            raise InvalidProblem.at("r", f"{wrong} is out of range; {must}")
+        return radii
 
     def friction_used(self, r: ArrayLike) -> dict[str, Array]:
         """Return |F| of each drum over its friction capacity at radii [m], by dotted name [1].
@@ -632,7 +649,7 @@ class WindingProblem(Problem):
             *unused_in_tapers(self, SCHEDULES),
             *(() if hardens else ("stack.shear_exponent",)),
             *(() if self.torque_split is None else ("winding_force",)),
-            *(() if solves_nips else OF_NIP),
+            *(() if solves_nips else OF_NIP if self.winder is None else OF_NIP_ALONE),
             *(("oscillation",) if self.thickness_profile is None else ()),
             *(() if solves_nips or self.winder is not None else ("drum",)),
         )
