@@ -163,9 +163,18 @@ def test_several_scans_in_a_spreadsheet(tmp_path):
     profile = wo.read_thickness_profile(tmp_path / "scans.xlsx")
     assert_allclose(profile.position, [0, 1, 2])
     assert_allclose(np.array(profile.thickness) * 1e3, [45.2, 45.3, 45.4])
-    assert_allclose(np.array(profile.spread) * 1e3, 0.2)
+    # the sample standard deviation of 45.0 and 45.4 is 0.4/sqrt(2)
+    assert_allclose(np.array(profile.spread) * 1e3, 0.4 / np.sqrt(2))
     text = str(wo.solve(wo.RollProblem.example().replace(thickness_profile=profile), lanes=6))
     assert "standard deviation between the scans" in text
+
+
+def test_a_position_of_one_scan_has_the_spread_of_the_others(tmp_path):
+    """Pooled: squares of 0.02 and 0.18 um^2 over 1 + 2 degrees of freedom."""
+    rows = ["0,66", "0,66.2", "1,66", "1,66.3", "1,66.6", "2,66"]
+    (tmp_path / "scans.csv").write_text("\n".join(["position [m],thickness [um]", *rows]))
+    spread = 1e6 * np.array(wo.read_thickness_profile(tmp_path / "scans.csv").spread)
+    assert_allclose(spread, [0.2 / np.sqrt(2), 0.3, np.sqrt((0.02 + 0.18) / 3)])
 
 
 def test_a_table_without_thickness_is_rejected(tmp_path):

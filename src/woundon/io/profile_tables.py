@@ -23,7 +23,8 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
     The headers have units, ``position [mm]``, ``thickness [um]`` or ``thickness [gsm]``; the latter
     is a basis weight, of which only the variation is used.  A column ``slack [%]`` is optional.
     Positions that occur in several rows, as in a list of several scans, have the mean thickness of
-    these rows; their standard deviation is ``spread``.
+    these rows; their sample standard deviation, with n - 1, is ``spread``.  A position that occurs
+    once has that of the others, pooled.
 
     Parameters
     ----------
@@ -45,7 +46,7 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
     ...     _ = file.write_text(scans)
     ...     profile = wo.read_thickness_profile(file)
     >>> [round(1e6 * h, 3) for h in profile.thickness], [round(1e6 * s, 3) for s in profile.spread]
-    ([66.1, 66.3], [0.1, 0.1])
+    ([66.1, 66.3], [0.141, 0.141])
     """
     known = {
         place.path: place.quantity
@@ -65,8 +66,9 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
         if name != "position"
     }
     if counts.max() > 1:
-        deviation = (values["thickness"] - means["thickness"][scan]) ** 2
-        means["spread"] = np.sqrt(np.bincount(scan, deviation) / counts)
+        squares = np.bincount(scan, (values["thickness"] - means["thickness"][scan]) ** 2)
+        pooled = squares.sum() / (counts - 1).sum()
+        means["spread"] = np.sqrt(np.where(counts > 1, squares / np.maximum(counts - 1, 1), pooled))
     # with one scan the order of the rows is kept, so that the profile rejects an unsorted one
     places = position if counts.max() > 1 else values["position"]
     ordered = means if counts.max() > 1 else {name: values[name] for name in means}
