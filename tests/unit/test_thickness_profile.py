@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 
 import numpy as np
 import pytest
@@ -162,10 +163,15 @@ def test_several_scans_in_a_spreadsheet(tmp_path):
     book.save(tmp_path / "scans.xlsx")
     profile = wo.read_thickness_profile(tmp_path / "scans.xlsx")
     assert_allclose(profile.position, [0, 1, 2])
-    assert_allclose(np.array(profile.thickness) * 1e3, [45.2, 45.3, 45.4])
+    # a basis weight becomes a thickness relative to the mean, 45.3 gsm
+    assert_allclose(np.array(profile.thickness) * 45.3, [45.2, 45.3, 45.4])
+    assert profile.mean == pytest.approx(1.0, rel=1e-14)
     # the sample standard deviation of 45.0 and 45.4 is 0.4/sqrt(2)
-    assert_allclose(np.array(profile.spread) * 1e3, 0.4 / np.sqrt(2))
-    text = str(wo.solve(wo.RollProblem.example().replace(thickness_profile=profile), lanes=6))
+    assert_allclose(np.array(profile.spread) * 45.3, 0.4 / np.sqrt(2))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # 45 gsm are no 45 mm
+        result = wo.solve(wo.RollProblem.example().replace(thickness_profile=profile), lanes=6)
+    text = str(result)
     assert "standard deviation between the scans" in text
 
 

@@ -15,13 +15,16 @@ from .columns import read_columns
 __all__ = ["read_thickness_profile"]
 
 FIELDS = ("position", "thickness", "slack")
+RELATIVE = ("thickness", "spread")  # to the mean, if the thickness is a basis weight
+WEIGHT = "kg/m^2"  # unit of a basis weight
 
 
 def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
     r"""Return the profile in a table with the columns ``position`` and ``thickness``.
 
     The headers have units, ``position [mm]``, ``thickness [um]`` or ``thickness [gsm]``; the latter
-    is a basis weight, of which only the variation is used.  A column ``slack [%]`` is optional.
+    is a basis weight, of which only the variation is used: the thickness and its spread are then
+    relative to the mean over the width.  A column ``slack [%]`` is optional.
     Positions that occur in several rows, as in a list of several scans, have the mean thickness of
     these rows; their sample standard deviation, with n - 1, is ``spread``.  A position that occurs
     once has that of the others, pooled.
@@ -55,6 +58,7 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
     }
     columns = read_columns(Path(path), known)
     values = {name: _numbers(cells, known[name]) for name, cells in columns.items()}
+    is_weight = any(has_dimension(cell, WEIGHT) for cell in columns.get("thickness", []))
     # a column that is missing is reported by the profile
     if not {"position", "thickness"} <= values.keys():
         return ThicknessProfile(**{name: cells.tolist() for name, cells in values.items()})
@@ -72,15 +76,19 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
     # with one scan the order of the rows is kept, so that the profile rejects an unsorted one
     places = position if counts.max() > 1 else values["position"]
     ordered = means if counts.max() > 1 else {name: values[name] for name in means}
-    return ThicknessProfile(
+    profile = ThicknessProfile(
         position=places.tolist(), **{name: cells.tolist() for name, cells in ordered.items()}
     )
+    if not is_weight:
+        return profile
+    relative = {name: ordered[name] / profile.mean for name in RELATIVE if name in ordered}
+    return profile.replace(**{name: cells.tolist() for name, cells in relative.items()})
 
 
 def _numbers(cells: list[str], quantity: Quantity) -> np.ndarray:
     """Return the numbers of a column of texts with units, a basis weight in kg/m^2, else SI."""
     units = [
-        "kg/m^2" if quantity.unit == "m" and has_dimension(cell, "kg/m^2") else quantity.unit
+        WEIGHT if quantity.unit == "m" and has_dimension(cell, WEIGHT) else quantity.unit
         for cell in cells
     ]
     return np.array([parse(cell, unit) for cell, unit in zip(cells, units, strict=True)])
