@@ -97,7 +97,8 @@ def test_the_standard_errors_of_means_are_those_of_correlated_rows(correlation: 
     exact = np.sqrt(bins / n * (1 + correlation) / (1 - correlation))
     # 40 variances of 9 degrees of freedom: their mean has a standard error of 7 %
     assert np.mean(log.error[0] ** 2) ** 0.5 == pytest.approx(exact, rel=0.12)
-    assert np.std(log.mean[0]) == pytest.approx(exact, rel=0.25)
+    # a standard deviation of 40 means scatters by 1/sqrt(2 (40 - 1)) = 11 % (chi-squared)
+    assert np.std(log.mean[0], ddof=1) == pytest.approx(exact, rel=2 / np.sqrt(2 * (bins - 1)))
 
 
 def test_few_rows_have_few_bins_and_no_error_of_batches():
@@ -208,6 +209,51 @@ def test_the_scatter_of_a_log_weights_a_comparison_and_a_fit():
     assert found.weighted
     error = found.estimates[0] - nip.roll_friction
     assert abs(error) < 4 * found.standard_errors[0]
+
+
+def sparse_log(rows_of_the_last: int, noise: float = 6.0) -> wo.WinderLog:
+    """Return a log with 300 rows in each of two bins and few in a third one."""
+    radius = np.repeat([0.1, 0.2, 0.3], [300, 300, rows_of_the_last])
+    wot = 600.0 + noise * np.random.default_rng(5).normal(size=radius.size)
+    table = {"radius": radius, "wound_on_tension": wot}
+    return wo.read_log(table, wo.NipProblem.example(), bins=3)
+
+
+def test_a_bin_of_two_rows_has_the_scatter_of_a_row_as_its_error():
+    log = sparse_log(2)
+    assert np.isnan(log.bins.error[0]).tolist() == [False, False, True]
+    table = log.measured()
+    assert table["wound_on_tension +-"][:2].tolist() == log.bins.error[0, :2].tolist()
+    pooled = np.sqrt(np.mean(log.bins.scatter[0, :2] ** 2))
+    assert table["wound_on_tension +-"][2] == pytest.approx(pooled, rel=1e-12)
+    assert wo.compare(wo.NipProblem.example(), log).deviation.tolist() == pytest.approx(
+        table["wound_on_tension +-"].tolist()
+    )
+    remark = "wound_on_tension: 1 bin of less than 3 rows has the scatter of the rows of the others"
+    assert any(text.startswith(remark) for text in log.remarks())
+    assert "has the scatter" in str(log)
+    assert not sparse_log(300).remarks()
+
+
+def test_a_bin_of_equal_rows_has_the_error_of_the_others():
+    """A meter with few digits shows equal numbers; their mean is not exact."""
+    radius = np.repeat([0.1, 0.2, 0.3], 300)
+    wot = 600.0 + np.random.default_rng(5).normal(size=900)
+    wot[600:] = 600.0
+    table = {"radius": radius, "wound_on_tension": wot}
+    log = wo.read_log(table, wo.NipProblem.example(), bins=3)
+    errors = log.measured()["wound_on_tension +-"]
+    assert errors[2] == pytest.approx(np.sqrt(np.mean(log.bins.error[0, :2] ** 2)), rel=1e-12)
+    assert any("1 bin of equal values" in text for text in log.remarks())
+
+
+def test_a_log_without_any_standard_error_says_so():
+    log = wo.read_log(
+        {"radius": [0.1, 0.2, 0.3, 0.4], "wound_on_tension": [600.0, 610.0, 620.0, 640.0]},
+        wo.NipProblem.example(),
+    )
+    assert list(log.measured()) == ["roll.radius", "wound_on_tension"]
+    assert any("wound_on_tension: no standard errors" in text for text in log.remarks())
 
 
 def test_a_log_of_inputs_only_is_no_measured_table():

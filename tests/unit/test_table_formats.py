@@ -372,6 +372,62 @@ def test_channels_of_two_rates_are_joined_by_time_and_never_by_number(tmp_path: 
     assert instants == "2 instants left out, at which a channel has no sample"
 
 
+START = np.datetime64("2026-11-02T10:00:00.000000")
+NEVER = np.datetime64("1904-01-01T00:00:00.000000")  # what LabVIEW writes without a start
+
+
+@pytest.mark.parametrize("no_start", [{}, {"wf_start_time": NEVER}])
+def test_a_channel_without_a_start_is_joined_by_number_to_one_of_its_rate(tmp_path, no_start):
+    """A start of 1970 in place of none would be 56 years before the other: no common instant."""
+    path = tdms(
+        tmp_path,
+        {"rig/Weg": (np.arange(4.0), rate(0.5, "mm", **no_start)),
+         "rig/Kraft": (np.arange(4.0) + 7, rate(0.5, "N", wf_start_time=START))},
+    )  # fmt: skip
+    sheet = find_table(path, "run")
+    assert sheet.columns["Weg"].tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert sheet.columns["Kraft"].tolist() == [7.0, 8.0, 9.0, 10.0]
+    assert sheet.columns["time"] == pytest.approx([0.0, 0.5, 1.0, 1.5])
+    assert sheet.remarks == (
+        "the file does not state the start of 'Weg'; joined to 'Kraft' by the number of the sample",
+    )
+
+
+@pytest.mark.parametrize(("size", "period"), [(5, 0.5), (4, 0.25)])
+def test_a_channel_without_a_start_and_of_another_rate_is_rejected(tmp_path, size, period):
+    path = tdms(
+        tmp_path,
+        {"rig/Weg": (np.arange(float(size)), rate(period, "mm")),
+         "rig/Kraft": (np.arange(4.0), rate(0.5, "N", wf_start_time=START))},
+    )  # fmt: skip
+    message = faults(find_table, path, "run")
+    assert "does not state when the channel 'Weg' starts, so that it cannot be joined" in message
+    assert "'Kraft' has 4 samples, one each 0.5 s" in message
+    assert f"'Weg' has {size} samples, one each {period:g} s" in message
+
+
+def test_channels_that_all_have_no_start_begin_together(tmp_path: Path):
+    path = tdms(
+        tmp_path,
+        {"rig/Weg": (np.arange(3.0), rate(0.5, "mm")),
+         "rig/Kraft": (np.arange(11.0), rate(0.1, "N") | {"wf_start_offset": 0.1})},
+    )  # fmt: skip
+    sheet = find_table(path, "run")
+    assert sheet.columns["time"] == pytest.approx([0.5, 1.0])
+    assert sheet.columns["Kraft"].tolist() == [4.0, 9.0]
+
+
+def test_channels_without_a_common_instant_are_rejected(tmp_path: Path):
+    later = START + np.timedelta64(3600, "s")
+    path = tdms(
+        tmp_path,
+        {"rig/Weg": (np.arange(3.0), rate(0.5, "mm", wf_start_time=START)),
+         "rig/Kraft": (np.arange(9.0), rate(0.1, "N", wf_start_time=later))},
+    )  # fmt: skip
+    message = faults(find_table, path, "run")
+    assert "at no instant of 'Weg', 0 s to 1 s, does every channel have a sample" in message
+
+
 def test_a_channel_without_a_known_name_is_named_and_not_read(tmp_path: Path):
     path = tdms(
         tmp_path,

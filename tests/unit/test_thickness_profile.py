@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 
 import numpy as np
 import pytest
@@ -162,10 +163,24 @@ def test_several_scans_in_a_spreadsheet(tmp_path):
     book.save(tmp_path / "scans.xlsx")
     profile = wo.read_thickness_profile(tmp_path / "scans.xlsx")
     assert_allclose(profile.position, [0, 1, 2])
-    assert_allclose(np.array(profile.thickness) * 1e3, [45.2, 45.3, 45.4])
-    assert_allclose(np.array(profile.spread) * 1e3, 0.2)
-    text = str(wo.solve(wo.RollProblem.example().replace(thickness_profile=profile), lanes=6))
+    # a basis weight becomes a thickness relative to the mean, 45.3 gsm
+    assert_allclose(np.array(profile.thickness) * 45.3, [45.2, 45.3, 45.4])
+    assert profile.mean == pytest.approx(1.0, rel=1e-14)
+    # the sample standard deviation of 45.0 and 45.4 is 0.4/sqrt(2)
+    assert_allclose(np.array(profile.spread) * 45.3, 0.4 / np.sqrt(2))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # 45 gsm are no 45 mm
+        result = wo.solve(wo.RollProblem.example().replace(thickness_profile=profile), lanes=6)
+    text = str(result)
     assert "standard deviation between the scans" in text
+
+
+def test_a_position_of_one_scan_has_the_spread_of_the_others(tmp_path):
+    """Pooled: squares of 0.02 and 0.18 um^2 over 1 + 2 degrees of freedom."""
+    rows = ["0,66", "0,66.2", "1,66", "1,66.3", "1,66.6", "2,66"]
+    (tmp_path / "scans.csv").write_text("\n".join(["position [m],thickness [um]", *rows]))
+    spread = 1e6 * np.array(wo.read_thickness_profile(tmp_path / "scans.csv").spread)
+    assert_allclose(spread, [0.2 / np.sqrt(2), 0.3, np.sqrt((0.02 + 0.18) / 3)])
 
 
 def test_a_table_without_thickness_is_rejected(tmp_path):
@@ -274,13 +289,21 @@ def test_find_the_oscillation_that_keeps_a_band_below_yield():
 
 
 def test_a_sweep_over_the_size_of_a_band():
+    sizes = np.array([0.25, 0.5, 1.0])
     table = wo.sweep(
-        ROLL, {"thickness_profile.variation": [0.5, 1.0, 2.0]}, outputs=["worst_lane.ridge_height"]
+        ROLL,
+        {"thickness_profile.variation": sizes.tolist()},
+        outputs=["worst_lane.ridge_height", "worst_lane.tension"],
     )
-    ridges = table["worst_lane.ridge_height"].values
-    # about in proportion: the tension stiffens the stack
-    assert ridges[1] / ridges[0] == pytest.approx(2.0, rel=0.2)
-    assert (np.diff(ridges) > 0).all()
+    quotients = table["worst_lane.ridge_height"].values / sizes
+    tension = table["worst_lane.tension"].values
+    # the modulus of the stack is at most in proportion to the tension, and so is what the ridge
+    # rises above its proportion to the size
+    for k in (1, 2):
+        assert 1.0 < quotients[k] / quotients[0] < tension[k] / tension[0]
+    # ridge = a d + b d^2, with a next term that is smaller by about b d/a, 4.5 % at full size
+    b = np.diff(quotients) / np.diff(sizes)
+    assert b[1] == pytest.approx(b[0], rel=0.05)
 
 
 # ---- windings -----------------------------------------------------------------------------------

@@ -3,7 +3,9 @@
 The channels of an instrument may have different rates.  Channels of one rate are the columns of one
 table.  Others are joined by time, never by the number of the sample: to each instant of the slowest
 channel that is used belongs the nearest sample of every other channel, at most half a period of
-that channel away.  Channels without a known name are not read.
+that channel away.  A channel whose start is not known, among others whose start is, is joined by
+the number of the sample to one of its size and rate only.  Channels without a known name are not
+read.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ ENDINGS = {".lvm": "lvmio", ".tdms": "nptdms"}  # ending of a file -> the packag
 ALL = "all"  # name of all segments or groups
 MAX_SAMPLES = 50_000_000  # of all channels
 ROUNDING = 1e-6  # relative differences of periods, and of instants to a period
+NO_START = np.datetime64("1904-01-01", "us")  # zero of the clock of TDMS
 
 
 class Channel(NamedTuple):
@@ -52,14 +55,14 @@ class Channel(NamedTuple):
         return self.start + self.period * np.arange(self.values.size)
 
     def has_times_of(self, other: Channel) -> bool:
-        """Return True if both channels have samples at the same instants."""
+        """Return True if both channels have samples at the same instants, as far as is known."""
         if self.values.size != other.values.size:
             return False
         if np.isnan(self.period) or np.isnan(other.period):
             return bool(np.isnan(self.period) and np.isnan(other.period))
         limit = ROUNDING * self.period
-        same_start = abs(self.start - other.start) <= limit
-        return same_start and abs(self.period - other.period) * self.values.size <= limit
+        other_start = abs(self.start - other.start) > limit  # False for nan
+        return not other_start and abs(self.period - other.period) * self.values.size <= limit
 
 
 class Channels(NamedTuple):
@@ -173,7 +176,8 @@ def joined(channels: Sequence[Channel], where: str, is_known: Callable[[str], bo
     Raises
     ------
     InvalidProblem
-        For two channels of one name, and channels of different lengths without times.
+        For two channels of one name, channels of different lengths or rates without times, and
+        channels without a common instant.
 
     Examples
     --------
@@ -189,7 +193,7 @@ def joined(channels: Sequence[Channel], where: str, is_known: Callable[[str], bo
     used = [channel for channel in channels if is_known(f"{channel.name} [{channel.unit}]")]
     is_time_used = is_known("time [s]") or not used
     used = used or list(channels)
-    base = max(used, key=lambda channel: (channel.period, -channel.values.size))
+    base = max(used, key=lambda each: (each.period, not np.isnan(each.start), -each.values.size))
     remarks: list[str] = []
     columns: dict[str, Array] = {}
     has_all = np.ones(base.values.size, dtype=bool)  # whether every channel has a sample
@@ -203,14 +207,19 @@ def joined(channels: Sequence[Channel], where: str, is_known: Callable[[str], bo
         text = f"joined by time to {base.name!r}, one sample each {base.period:.4g} s: "
         remarks = [text + "; ".join(remarks)]
         if not has_all.all():
+            _check_common_instants(base, has_all, where)
             count = int(np.count_nonzero(~has_all))
             remarks.append(f"{count} instants left out, at which a channel has no sample")
+    unknown = [repr(each.name) for each in used if each is not base and np.isnan(each.start)]
+    if unknown:
+        text = f"the file does not state the start of {one_of(unknown, 'and')}; joined to "
+        remarks.append(f"{text}{base.name!r} by the number of the sample")
     names = {channel.name for channel in used}
     missing = [channel.name for channel in channels if channel.name not in names]
     if missing:
         remarks.append(f"channels without a known name are not read: {', '.join(missing)}")
     has_times = is_time_used and not np.isnan(base.period) and not _has_time(columns)
-    times = {"time": base.time} if has_times else {}
+    times = {"time": base._replace(start=np.nan_to_num(base.start)).time} if has_times else {}
     columns = {name: values[has_all] for name, values in (times | columns).items()}
     units = {channel.name: channel.unit for channel in used} | dict.fromkeys(times, "s")
     return Channels(where, columns, units, int(has_all.sum()), remarks=tuple(remarks))
@@ -227,9 +236,33 @@ def _at_times_of(base: Channel, channel: Channel, where: str) -> tuple[Array, Ar
             counts = f"{base.name!r} has {base.values.size} samples, {channel.name!r}"
             remedy = f"{counts} {channel.values.size}; export them with one rate"
             raise InvalidProblem.at(where, f"{text}: {remedy}")
+        if np.isnan(each.start):
+            sizes = " and ".join(
+                f"{c.name!r} has {c.values.size} samples, one each {c.period:.4g} s"
+                for c in (base, channel)
+            )
+            text = f"does not state when the channel {each.name!r} starts, so that it cannot be "
+            text += f"joined to others of another size or rate: {sizes}; export them with one rate"
+            raise InvalidProblem.at(where, text)
     number = np.rint((base.time - channel.start) / channel.period).astype(int)
     inside = (number >= 0) & (number < channel.values.size)
     return channel.values[np.clip(number, 0, channel.values.size - 1)], inside
+
+
+def _check_common_instants(base: Channel, has_all: Array, where: str) -> None:
+    """Reject channels that have samples at no common instant.
+
+    Parameters
+    ----------
+    base : Channel
+    has_all : (n,) bool array
+        Instants of ``base`` at which every channel has a sample.
+    where : str
+    """
+    if not has_all.any():
+        first, last = base.time[[0, -1]]
+        text = f"at no instant of {base.name!r}, {first:.6g} s to {last:.6g} s, does every channel "
+        raise InvalidProblem.at(where, f"{text}have a sample; they were started at other times")
 
 
 def _has_time(columns: dict[str, Array]) -> bool:
@@ -278,7 +311,10 @@ def _tdms_groups(content: bytes, where: str) -> dict[str, list[Channel]]:
                 text = "ends in the middle of a segment; copy the file again"
                 raise InvalidProblem.at(where, text)
             groups = {
-                name: _since_the_first([_tdms_channel(each) for each in of_group])
+                name: [
+                    _tdms_channel(each, start)
+                    for each, start in zip(of_group, _starts(of_group), strict=True)
+                ]
                 for name, of_group in channels.items()
             }
     except InvalidProblem:
@@ -293,21 +329,32 @@ def _has_numbers(channel: Any) -> bool:
     return len(channel) > 0 and channel.dtype.kind in "iuf"
 
 
-def _tdms_channel(channel: Any) -> Channel:
+def _tdms_channel(channel: Any, start: float) -> Channel:
     """Return a channel of a .tdms file, scaled by the properties that the file states.
 
-    Its start is in seconds since 1970 if the file states when the channel was started.
+    ``start`` is the instant of its first sample [s].
     """
     properties = channel.properties
     period = float(properties.get("wf_increment", np.nan))
-    instant = np.datetime64(properties.get("wf_start_time", 0), "us").astype(np.int64)
-    start = float(instant) * 1e-6 + float(properties.get("wf_start_offset", 0.0))
     unit = str(properties.get("unit_string", ""))
     values = np.asarray(channel[:], dtype=float)
     return Channel(channel.name, unit, values, start, period if period > 0 else np.nan)
 
 
-def _since_the_first(channels: list[Channel]) -> list[Channel]:
-    """Return channels whose time is zero where the first one starts."""
-    first = min((channel.start for channel in channels), default=0.0)
-    return [channel._replace(start=channel.start - first) for channel in channels]
+def _starts(channels: Sequence[Any]) -> Array:
+    """Return when the channels of a group of a .tdms file start [s], zero where the first does.
+
+    They are nan for a channel of which the file does not state it.  If it states none, the channels
+    start together, apart from their offsets.
+    """
+    if not channels:
+        return np.zeros(0)
+    instants = np.array(
+        [np.datetime64(each.properties.get("wf_start_time", NO_START), "us") for each in channels]
+    )
+    offsets = [float(each.properties.get("wf_start_offset", 0.0)) for each in channels]
+    starts = np.where(instants == NO_START, np.nan, instants.astype(np.int64) * 1e-6)
+    if np.isnan(starts).all():
+        starts = np.zeros(len(channels))
+    starts = starts + offsets
+    return np.asarray(starts - np.nanmin(starts))

@@ -15,15 +15,19 @@ from .columns import read_columns
 __all__ = ["read_thickness_profile"]
 
 FIELDS = ("position", "thickness", "slack")
+RELATIVE = ("thickness", "spread")  # to the mean, if the thickness is a basis weight
+WEIGHT = "kg/m^2"  # unit of a basis weight
 
 
 def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
     r"""Return the profile in a table with the columns ``position`` and ``thickness``.
 
     The headers have units, ``position [mm]``, ``thickness [um]`` or ``thickness [gsm]``; the latter
-    is a basis weight, of which only the variation is used.  A column ``slack [%]`` is optional.
+    is a basis weight, of which only the variation is used: the thickness and its spread are then
+    relative to the mean over the width.  A column ``slack [%]`` is optional.
     Positions that occur in several rows, as in a list of several scans, have the mean thickness of
-    these rows; their standard deviation is ``spread``.
+    these rows; their sample standard deviation, with n - 1, is ``spread``.  A position that occurs
+    once has that of the others, pooled.
 
     Parameters
     ----------
@@ -45,7 +49,7 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
     ...     _ = file.write_text(scans)
     ...     profile = wo.read_thickness_profile(file)
     >>> [round(1e6 * h, 3) for h in profile.thickness], [round(1e6 * s, 3) for s in profile.spread]
-    ([66.1, 66.3], [0.1, 0.1])
+    ([66.1, 66.3], [0.141, 0.141])
     """
     known = {
         place.path: place.quantity
@@ -54,6 +58,7 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
     }
     columns = read_columns(Path(path), known)
     values = {name: _numbers(cells, known[name]) for name, cells in columns.items()}
+    is_weight = any(has_dimension(cell, WEIGHT) for cell in columns.get("thickness", []))
     # a column that is missing is reported by the profile
     if not {"position", "thickness"} <= values.keys():
         return ThicknessProfile(**{name: cells.tolist() for name, cells in values.items()})
@@ -65,20 +70,25 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
         if name != "position"
     }
     if counts.max() > 1:
-        deviation = (values["thickness"] - means["thickness"][scan]) ** 2
-        means["spread"] = np.sqrt(np.bincount(scan, deviation) / counts)
+        squares = np.bincount(scan, (values["thickness"] - means["thickness"][scan]) ** 2)
+        pooled = squares.sum() / (counts - 1).sum()
+        means["spread"] = np.sqrt(np.where(counts > 1, squares / np.maximum(counts - 1, 1), pooled))
     # with one scan the order of the rows is kept, so that the profile rejects an unsorted one
     places = position if counts.max() > 1 else values["position"]
     ordered = means if counts.max() > 1 else {name: values[name] for name in means}
-    return ThicknessProfile(
+    profile = ThicknessProfile(
         position=places.tolist(), **{name: cells.tolist() for name, cells in ordered.items()}
     )
+    if not is_weight:
+        return profile
+    relative = {name: ordered[name] / profile.mean for name in RELATIVE if name in ordered}
+    return profile.replace(**{name: cells.tolist() for name, cells in relative.items()})
 
 
 def _numbers(cells: list[str], quantity: Quantity) -> np.ndarray:
     """Return the numbers of a column of texts with units, a basis weight in kg/m^2, else SI."""
     units = [
-        "kg/m^2" if quantity.unit == "m" and has_dimension(cell, "kg/m^2") else quantity.unit
+        WEIGHT if quantity.unit == "m" and has_dimension(cell, WEIGHT) else quantity.unit
         for cell in cells
     ]
     return np.array([parse(cell, unit) for cell, unit in zip(cells, units, strict=True)])

@@ -238,7 +238,7 @@ class DynamicTest(MeasuredModuli):
 
     def _remedy(self) -> str:
         """Return the decades with the largest bias, and the range that a series follows."""
-        f, storage, loss = self._used
+        f, storage, loss = self.measured_moduli
         if np.log10(f[-1] / f[0]) < MOST_DECADES:  # all of the table is of the same kind
             return ""
         bias = decade_bias(f, self._fit.residual)
@@ -272,8 +272,8 @@ class DynamicTest(MeasuredModuli):
         return np.array((f >= low) & (f <= high))
 
     @property
-    def _used(self) -> tuple[Array, Array, Array]:
-        """f [Hz], E' and E'' [Pa] of the rows that are used."""
+    def measured_moduli(self) -> tuple[Array, Array, Array]:
+        """f [Hz], E' and E'' [Pa] of the rows that are used, (n,) each."""
         rows = self._is_used
         columns = self.frequency, self.storage_modulus, self._losses
         f, storage, loss = (np.array(column)[rows] for column in columns)
@@ -282,17 +282,12 @@ class DynamicTest(MeasuredModuli):
     @property
     def measured_frequencies(self) -> tuple[float, float]:
         """The lowest and the highest measured frequency that is used [Hz]."""
-        f, _, _ = self._used
+        f, _, _ = self.measured_moduli
         return float(f[0]), float(f[-1])
-
-    @property
-    def measured_moduli(self) -> tuple[Array, Array, Array]:
-        """f [Hz], E' and E'' [Pa] of the rows that are used, (n,) each."""
-        return self._used
 
     @cached_property
     def _fit(self) -> PronyFit:
-        return fit_dynamic_moduli(*self._used)
+        return fit_dynamic_moduli(*self.measured_moduli)
 
     @property
     def _smallest_modulus(self) -> float:

@@ -84,8 +84,8 @@ class ThicknessProfile(Description):
         b, additional length of a baggy lane relative to the rest of the web [1], >= 0; by default
         the web has the same length everywhere.
     spread : sequence of float, optional
-        Standard deviation of the thickness between several scans, in the unit of ``thickness``; it
-        is reported only.
+        Sample standard deviation of the thickness between several scans, in the unit of
+        ``thickness``; it is reported only.
 
     Raises
     ------

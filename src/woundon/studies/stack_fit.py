@@ -291,15 +291,21 @@ def _fitted(form: _Form, P: Array, eps: Array) -> LawFit | None:
     if P.size <= count:
         return None
 
-    def residuals(x: Array) -> Array:
-        """Return the residuals with the origin that minimises them."""
+    def strain(x: Array) -> Array:
+        """Return the strain F of the law at the measured pressures; nan for no law."""
         try:
             law = form.make(form.parameters(x))
         except InvalidProblem:
-            return np.full(P.size, WORST)
+            return np.full(P.size, np.nan)
         if law.max_pressure < P.max():
+            return np.full(P.size, np.nan)
+        return np.asarray(law.strain_at(P))
+
+    def residuals(x: Array) -> Array:
+        """Return the residuals with the origin that minimises them."""
+        difference = eps - strain(x)
+        if not np.isfinite(difference).all():
             return np.full(P.size, WORST)
-        difference = eps - law.strain_at(P)
         return np.asarray(difference - difference.mean())
 
     lowest = form.unknowns(form.lowest)
@@ -329,7 +335,7 @@ def _fitted(form: _Form, P: Array, eps: Array) -> LawFit | None:
     law = form.make(form.parameters(x))
     # the derivatives by a parameter at its limit are those a little above it
     inside = np.where(at_limit, lowest + INSIDE, x)
-    errors = _standard_errors(residuals, x, inside) * np.append(form.slopes(x), 1.0)
+    errors = _standard_errors(strain, inside, residuals(x)) * np.append(form.slopes(x), 1.0)
     origin = float(np.mean(eps - law.strain_at(P)))
     misfit = float(np.sqrt(residual @ residual / (P.size - count)))
     values = dict(zip(form.names, form.parameters(x).tolist(), strict=True))
@@ -337,28 +343,31 @@ def _fitted(form: _Form, P: Array, eps: Array) -> LawFit | None:
     return LawFit(law.member_name(), law, values, named, origin, float(errors[-1]), misfit)
 
 
-def _standard_errors(residuals: Callable[[Array], Array], x: Array, inside: Array) -> Array:
+def _standard_errors(strain: Callable[[Array], Array], x: Array, residual: Array) -> Array:
     """Return the standard errors of p unknowns and of the origin, (p + 1,), by the estimator HC3.
+
+    They are nan if the test does not distinguish the unknowns, or a law next to ``x`` is none.
 
     Parameters
     ----------
-    residuals : callable
-        (p,) -> (n,), with the origin that minimises them.
-    x, inside : (p,) arrays
-        The estimates, and the point of the derivatives.
+    strain : callable
+        F, (p,) -> (n,), without the origin; nan for no law.
+    x : (p,) array
+        The point of the derivatives.
+    residual : (n,) array
+        Of the estimates.
     """
     steps = DIFFERENCE * np.eye(x.size)
-    columns = [
-        (residuals(inside - step) - residuals(inside + step)) / (2 * DIFFERENCE) for step in steps
-    ]
-    # with the origin that minimises the residuals, its column is orthogonal to the others
-    J = np.column_stack([*columns, np.ones_like(columns[0])])
+    columns = [(strain(x + step) - strain(x - step)) / (2 * DIFFERENCE) for step in steps]
+    J = np.column_stack([*columns, np.ones(residual.size)])  # of eps_0 + F
+    if not np.isfinite(J).all():
+        return np.full(x.size + 1, np.nan)
     scales = np.linalg.norm(J, axis=0)
     Q, R = np.linalg.qr(J / np.where(scales > 0, scales, 1.0))
     if np.abs(np.diag(R)).min() < SINGULAR:
         return np.full(x.size + 1, np.nan)
     leverage = np.clip(np.sum(Q * Q, axis=1), 0.0, 1 - 1e-9)
-    weighted = np.linalg.solve(R, Q.T) * (residuals(x) / (1 - leverage))
+    weighted = np.linalg.solve(R, Q.T) * (residual / (1 - leverage))
     return np.asarray(np.sqrt(np.sum(weighted**2, axis=1)) / scales)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -154,7 +155,9 @@ class WinderLog(Outcome):
         """Return the table of measured values for :func:`woundon.fit` and :func:`woundon.compare`.
 
         A row is a bin.  Outputs and inputs have the standard errors of their means; schedules of
-        the problem are no columns, because they are fields of :attr:`problem`.
+        the problem are no columns, because they are fields of :attr:`problem`.  A bin of less than
+        three rows has the scatter of the rows of the other bins as its error, and one of equal
+        values their mean error; :meth:`remarks` counts these bins.
 
         Raises
         ------
@@ -172,11 +175,38 @@ class WinderLog(Outcome):
         place = "measured_radius" if "measured_radius" in measurable else "roll.radius"
         columns: dict[str, Array] = {place: self.bins.radius}
         for name in outputs:
-            k = self.bins.names.index(name)
-            columns[name] = self.bins.mean[k]
-            if (self.bins.error[k] > 0).all():
-                columns[f"{name} +-"] = self.bins.error[k]
+            columns[name] = self.bins.mean[self.bins.names.index(name)]
+            errors, _ = self._standard_errors(name)
+            if errors is not None:
+                columns[f"{name} +-"] = errors
         return pd.DataFrame(columns)
+
+    def _standard_errors(self, name: str) -> tuple[Array | None, list[str]]:
+        """Return the standard errors of the means, (k,), and remarks on those of other bins.
+
+        The mean of one or two rows scatters at most as a row does, however they are correlated.
+        The errors are None if no bin has one.
+        """
+        k = self.bins.names.index(name)
+        mean, scatter, error = (
+            each[k] for each in (self.bins.mean, self.bins.scatter, self.bins.error)
+        )
+        known = error > 0
+        few, equal = np.isnan(error) & np.isfinite(mean), error == 0
+        if not known.any():
+            # the means of an input that never changes are exact
+            exact = equal.any() and name not in measured_columns(self.base)
+            text = f"{name}: no standard errors, so that all its means have the same weight"
+            return None, [] if exact else [text]
+        remarks = []
+        if few.any():
+            text = f"{name}: {_bins(few)} of less than 3 rows has the scatter of the rows of the "
+            remarks.append(f"{text}others as its standard error")
+        if equal.any():
+            text = f"{name}: {_bins(equal)} of equal values has the mean standard error of the "
+            remarks.append(f"{text}others")
+        errors = np.where(few, _rms(scatter[known]), np.where(equal, _rms(error[known]), error))
+        return errors, remarks
 
     def answer(self) -> list[str]:
         """Return what was done with the rows, and the range and scatter of each quantity."""
@@ -184,10 +214,7 @@ class WinderLog(Outcome):
         for k, name in enumerate(self.bins.names):
             quantity = self.quantities[name]
             low, high = np.nanmin(self.bins.mean[k]), np.nanmax(self.bins.mean[k])
-            scatter, error = (
-                float(np.sqrt(np.nanmean(each**2)))
-                for each in (self.bins.scatter[k], self.bins.error[k])
-            )
+            scatter, error = (_rms(each) for each in (self.bins.scatter[k], self.bins.error[k]))
             unit = f" {quantity.display}".removesuffix(" 1")
             shown = [f"{quantity.shown(value):.4g}" for value in (low, high, scatter, error)]
             lines.append(
@@ -197,8 +224,12 @@ class WinderLog(Outcome):
         return lines
 
     def remarks(self) -> list[str]:
-        """Return what the reader left out or joined."""
-        return list(self.bins.remarks)
+        """Return what the reader left out or joined, and which means have other bins' errors."""
+        outputs = [name for name in self.bins.names if name not in self.inputs]
+        return [
+            *self.bins.remarks,
+            *(text for name in outputs for text in self._standard_errors(name)[1]),
+        ]
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return the bins as a table, SI units: radius, number of rows, means, scatter, errors."""
@@ -210,3 +241,15 @@ class WinderLog(Outcome):
             columns[f"{name} scatter"] = self.bins.scatter[k]
             columns[f"{name} +-"] = self.bins.error[k]
         return pd.DataFrame(columns)
+
+
+def _rms(values: Array) -> float:
+    """Return the root mean square of the values that are known; nan if none is."""
+    known = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(known**2))) if known.size else nan
+
+
+def _bins(chosen: Array) -> str:
+    """Return the number of bins as a text: "1 bin", "each of 3 bins"."""
+    count = int(np.count_nonzero(chosen))
+    return "1 bin" if count == 1 else f"each of {count} bins"
