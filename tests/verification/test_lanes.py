@@ -166,6 +166,50 @@ def test_a_nip_takes_over_from_the_web(stiffness):
     assert lanes.share @ lane.web_tension == pytest.approx(250.0, rel=1e-12)
 
 
+class FailingNip(PowerNip):
+    """A nip whose tension cannot be found beyond a radius of 0.06 m."""
+
+    def tension_at(self, lanes):
+        tension = super().tension_at(lanes)
+        return lambda x, *rest: None if x > np.log(0.06) else tension(x, *rest)
+
+
+class SlippingNip(PowerNip):
+    """A nip that carries at most half of its load."""
+
+    def load_at(self, approach):
+        load, slope = super().load_at(approach)
+        carries = load < self.load / 2
+        return np.minimum(load, self.load / 2), np.where(carries, slope, 0.01 * slope)
+
+
+def usual_nip(kind=PowerNip):
+    _, E_t, h, _ = STACKS["newsprint, K2 40"]
+    return kind(2000.0, 4e6, 0.19, 250.0, E_t, h, exponent=1.2)
+
+
+def tension_of(nip, height):
+    """Return the tension of two equal lanes with rho = +-1e-4 and an additional height."""
+    rho = np.array([1e-4, -1e-4]) + height
+    return nip.tension_at(lanes_of([0.0, 0.0]))(np.log(0.1), rho, np.full(2, 1e-3), np.ones(2))
+
+
+def test_a_tension_in_a_nip_that_is_not_found():
+    """No solution, or a guess from which none is found: None, never an unbalanced tension."""
+    assert tension_of(usual_nip(), 0.0).load.mean() == pytest.approx(1.0, rel=1e-12)
+    assert tension_of(usual_nip(SlippingNip), 0.0) is None
+    # no lane touches the nip: the equations of Newton's method are singular
+    assert tension_of(usual_nip(), -1.0) is None
+
+
+@pytest.mark.parametrize("kind", [FailingNip, SlippingNip])
+def test_lanes_without_a_tension_are_not_converged(kind):
+    nip = usual_nip(kind)
+    problem = roll_of("newsprint, K2 40", 0.08, nip.wound_on)
+    with pytest.raises(wo.NotConverged, match="with lanes across the width"):
+        solve(problem, lanes_of([0.001, -0.001]), nip)
+
+
 # ---- closed forms and limits --------------------------------------------------------------------
 
 

@@ -65,8 +65,9 @@ from .stage_nodes import Tension, cell_source, kinks_of, nodes_between
 __all__ = ["LaneBuildUp", "TensionAt", "wind_lanes"]
 
 Array = np.ndarray
-# (x = ln s, c, mu, initial theta) -> tension of the lanes with rho = c - mu theta
-TensionAt = Callable[[float, Array, Array, Array], TensionOfLanes]
+# (x = ln s, c, mu, initial theta) -> tension of the lanes with rho = c - mu theta;
+# None if it cannot be found from the initial theta
+TensionAt = Callable[[float, Array, Array, Array], TensionOfLanes | None]
 
 MAX_ITERATIONS = 60
 MAX_STAGES = 5000  # a plain roll has about 50
@@ -220,6 +221,11 @@ class _Lanes:
     ----------
     last : LaneBuildUp
         The last stage; at first the core.
+
+    Raises
+    ------
+    NotWoundError
+        If the tension of the first layer cannot be found.
     """
 
     def __init__(
@@ -237,6 +243,8 @@ class _Lanes:
         self.cells, self.surface_layer = cells, surface_layer
         start, zero = float(reference.growth.x[0]), np.zeros(lanes.share.size)
         on_core = tension_at(start, zero, zero, zero + 1)
+        if on_core is None:
+            raise NotWoundError(no_stage_beyond(start))
         values = np.concatenate([zero, on_core.wound_on, zero, on_core.web, on_core.load])
         self.T_c = float(tension.at(np.array([exp(start)]))[0])
         self.core_tension = self.T_c * on_core.wound_on
@@ -403,6 +411,8 @@ class _Lanes:
             c = relative * (1 - strain * rest) - 1 - rate + by_rho * guess[RHO]
             c, mu = c / (1 + by_rho), relative * strain * inward / (1 + by_rho)
             tension = self.tension_at(surface, c, mu, theta)
+            if tension is None:
+                return None
             dtheta = tension.wound_on - theta
             dkappa = free - softening * dtheta
             step = step + dkappa[:, None, None] * of_kappa + dtheta[:, None, None] * of_theta

@@ -141,7 +141,7 @@ class _Nips:
         E_t = float(self.roll.problem.stack.tangential)
         h = float(self.roll.problem.web_thickness)
 
-        def tension(x: float, c: Array, mu: Array, guess: Array) -> TensionOfLanes:
+        def tension(x: float, c: Array, mu: Array, guess: Array) -> TensionOfLanes | None:
             r = np.array([np.exp(x)])
             wound_on = h * float(self.roll.problem.tension_curve.at(r)[0])
             web, strain = float(self.web_tension(r)[0]), wound_on / (h * E_t)
