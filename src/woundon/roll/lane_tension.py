@@ -48,8 +48,9 @@ class NipAcross(Protocol):
         """Return P [N/m] and dP/d delta [N/m^2] at approaches [m]; zero at negative ones."""
         ...
 
-    def approach_at(self, load: float) -> float:
-        """Return the approach [m] at a load [N/m]."""
+    @property
+    def approach(self) -> float:
+        """Approach under this load [m]."""
         ...
 
     def added(self, load: Array) -> tuple[Array, Array]:
@@ -142,7 +143,7 @@ def tension_in_nip(
     """
     weight, thickness = lanes.share * (1 + lanes.excess), 1 + lanes.excess
     theta = guess.astype(float)
-    delta0 = nip.approach_at(nip.load)
+    delta0 = nip.approach
     e0 = strain * web_tension / wound_on
 
     def state(theta: Array, e0: float, delta0: float) -> tuple[Array, ...]:

@@ -96,10 +96,6 @@ class NipAtRadius:
         safe = np.where(touches, approach, 1.0)
         return np.where(touches, load, 0.0), np.where(touches, load * exponent / safe, 0.0)
 
-    def approach_at(self, load: float) -> float:
-        """Return the approach [m] at the load of the winding [N/m]."""
-        return self.approach
-
     def added(self, load: Array) -> tuple[Array, Array]:
         """Return A(P) [N/m] and dA/dP [1] at loads [N/m]."""
         curve, slope, end = self._added  # type: ignore[attr-defined]
