@@ -14,6 +14,7 @@ from slow_cases import campaign_case, slow_case
 import woundon as wo
 from woundon.problems.thickness_profile import Lanes
 from woundon.roll.lane_roll import solve_lanes
+from woundon.roll.lane_tension import tension_of_web
 from woundon.roll.solve import solve_thin_layers
 
 CORE, E_C, NU = 0.05, 1e9, 0.01
@@ -208,6 +209,31 @@ def test_lanes_without_a_tension_are_not_converged(kind):
     problem = roll_of("newsprint, K2 40", 0.08, nip.wound_on)
     with pytest.raises(wo.NotConverged, match="with lanes across the width"):
         solve(problem, lanes_of([0.001, -0.001]), nip)
+
+
+class SlackFromARadius(PowerNip):
+    """No nip: the second lane is longer from a radius of 0.06 m on, by 0.02 % of its length."""
+
+    def tension_at(self, lanes):
+        strain = self.wound_on / self.thickness / self.modulus
+        slacker = lanes._replace(slack=np.array([0.0, 2e-4]))
+        return lambda x, c, mu, theta: tension_of_web(
+            slacker if x > np.log(0.06) else lanes, c, mu, strain, 1 - self.web / self.wound_on
+        )
+
+
+def test_a_jump_within_the_smallest_step_is_in_the_error_estimate():
+    """A stage across a jump is above the tolerance at any step: the estimate says by how much."""
+    nip = usual_nip(SlackFromARadius)
+    problem = roll_of("newsprint, K2 40", 0.08, nip.wound_on)
+    lane = solve(problem, lanes_of([0.0, 0.0]), nip)
+    # equal lanes of strain tau share the jump of the slack b: theta changes by +-b/(2 tau), of
+    # which the estimate is a fifth; kappa changes less.  1 %: the length of the smallest step
+    jump = 2e-4 / 2 / (nip.wound_on / nip.thickness / nip.modulus)
+    assert jump * 0.2 > 2 * 2e-3  # far above the tolerance
+    assert lane.errors["worst_lane.tension"] >= 0.99 * 0.2 * jump * lane.worst.tension
+    smooth = solve(problem, lanes_of([0.0, 0.0]), usual_nip())
+    assert smooth.errors["worst_lane.tension"] == pytest.approx(2e-3 * smooth.worst.tension)
 
 
 # ---- closed forms and limits --------------------------------------------------------------------

@@ -117,6 +117,10 @@ class LaneBuildUp:
         Pressure at the same layers of the lanes, and r dP/dr [Pa].
     reference_P, reference_Q : (n + 1,) arrays
         Those of the mean roll.
+    largest_error : float
+        Largest error estimate of this and the previous stages, relative to kappa + 2 and to the
+        mean tension.  It exceeds the tolerance where the tension or kappa of a lane jumps: no step
+        is short enough there.
     data : StageData, optional
         Nodes, source and core tension of the lanes, one after the other; None before the last
         stage.
@@ -128,6 +132,7 @@ class LaneBuildUp:
     Q: Array
     reference_P: Array
     reference_Q: Array
+    largest_error: float
     data: StageData | None = None
 
     def functions(self, x: Array) -> Array:
@@ -210,6 +215,7 @@ class _Core(NamedTuple):
     """The lanes on the core, before the first layer; see :class:`LaneBuildUp`."""
 
     curves: Growth
+    largest_error: float = 0.0
 
 
 class _Lanes:
@@ -280,8 +286,10 @@ class _Lanes:
         kappa = float(self.reference.growth(nodes[-1:])[0]) + values[KAPPA]
         change = np.abs(values - guess)
         error = max(np.max(change[KAPPA] / (2 + np.abs(kappa))), np.max(change[THETA]))
+        error = IMPLICIT_ERROR * float(error)
         extended = curves.with_stage(surface, values.ravel())
-        return LaneBuildUp(extended, nodes, lane_P, lane_Q, P, Q), IMPLICIT_ERROR * float(error)
+        largest = max(error, self.last.largest_error)
+        return LaneBuildUp(extended, nodes, lane_P, lane_Q, P, Q, largest), error
 
     def _reference_stage(self, surface: float) -> tuple[Array, Array, Array]:
         """Return nodes, P and Q of the mean roll at another stage than its own.
