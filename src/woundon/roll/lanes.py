@@ -12,10 +12,13 @@ With the mean radius s = sum w_j s_j as the independent variable, x = ln s, and 
 
     d rho_j/dx = h_j g_j/m - 1 - rho_j,    m = sum w_j h_j g_j.
 
-The ridge rho_j approaches its final value within 1/(1 + kappa) of ln r, a fraction of a stage: the
-equation is stiff.  Kappa, T and rho are interpolated between the stages by the same polynomials of
-order three (:class:`.Growth`), and rho satisfies its equation at each stage, which is the backward
-differentiation formula (BDF) of order three.  Unknowns of a stage are P_j, kappa_j and
+A higher lane is tighter, T_j = T + E_t rho_j, and its g_j smaller by (1 + kappa) rho_j.  With
+(1 + kappa) T/E_t small compared with 1, a deviation of the relative height therefore decays like
+d rho_j/dx = -(2 + kappa) rho_j, within 1/(2 + kappa) of ln r (and that of the height s rho_j within
+s/(1 + kappa) of the radius), a fraction of a stage: the equation is stiff.  Kappa, T and rho are
+interpolated between the stages by the same polynomials of order three (:class:`.Growth`), and rho
+satisfies its equation at each stage, which is the backward differentiation formula (BDF) of order
+three.  Unknowns of a stage are P_j, kappa_j and
 
     theta_j = T_j/T,    T = WOT/h of the mean web,
 
