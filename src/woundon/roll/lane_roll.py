@@ -414,9 +414,9 @@ def _check_law(roll: LaneRoll, stack: Any) -> None:
     """Raise an error for a pressure beyond the range of the stack's law."""
     lane = int(np.argmax(np.max(roll.pressure, axis=1)))
     P = float(np.max(roll.pressure[lane]))
-    if min(stack.limit, stack.radial.max_pressure) > P:
-        return
     end = min(stack.limit, stack.radial.max_pressure)
+    if end > P:
+        return
     raise NotConverged(
         f"the pressure of the lane at {roll.lanes.position[lane]:.4g} m across the web reaches "
         f"{P:.4g} Pa, beyond the range of the stack law, which ends at {end:.4g} Pa; lower the "
