@@ -14,6 +14,7 @@ from slow_cases import campaign_case, slow_case
 import woundon as wo
 from woundon.problems.thickness_profile import Lanes
 from woundon.roll.lane_roll import solve_lanes
+from woundon.roll.lane_tension import tension_of_web
 from woundon.roll.solve import solve_thin_layers
 
 CORE, E_C, NU = 0.05, 1e9, 0.01
@@ -164,6 +165,75 @@ def test_a_nip_takes_over_from_the_web(stiffness):
     assert lane.ridge_height[:, -1] == pytest.approx(ridge, abs=0.01 * np.max(np.abs(ridge)))
     assert lanes.share @ lane.nip_load == pytest.approx(2000.0, rel=1e-12)
     assert lanes.share @ lane.web_tension == pytest.approx(250.0, rel=1e-12)
+
+
+class FailingNip(PowerNip):
+    """A nip whose tension cannot be found beyond a radius of 0.06 m."""
+
+    def tension_at(self, lanes):
+        tension = super().tension_at(lanes)
+        return lambda x, *rest: None if x > np.log(0.06) else tension(x, *rest)
+
+
+class SlippingNip(PowerNip):
+    """A nip that carries at most half of its load."""
+
+    def load_at(self, approach):
+        load, slope = super().load_at(approach)
+        carries = load < self.load / 2
+        return np.minimum(load, self.load / 2), np.where(carries, slope, 0.01 * slope)
+
+
+def usual_nip(kind=PowerNip):
+    _, E_t, h, _ = STACKS["newsprint, K2 40"]
+    return kind(2000.0, 4e6, 0.19, 250.0, E_t, h, exponent=1.2)
+
+
+def tension_of(nip, height):
+    """Return the tension of two equal lanes with rho = +-1e-4 and an additional height."""
+    rho = np.array([1e-4, -1e-4]) + height
+    return nip.tension_at(lanes_of([0.0, 0.0]))(np.log(0.1), rho, np.full(2, 1e-3), np.ones(2))
+
+
+def test_a_tension_in_a_nip_that_is_not_found():
+    """No solution, or a guess from which none is found: None, never an unbalanced tension."""
+    assert tension_of(usual_nip(), 0.0).load.mean() == pytest.approx(1.0, rel=1e-12)
+    assert tension_of(usual_nip(SlippingNip), 0.0) is None
+    # no lane touches the nip: the equations of Newton's method are singular
+    assert tension_of(usual_nip(), -1.0) is None
+
+
+@pytest.mark.parametrize("kind", [FailingNip, SlippingNip])
+def test_lanes_without_a_tension_are_not_converged(kind):
+    nip = usual_nip(kind)
+    problem = roll_of("newsprint, K2 40", 0.08, nip.wound_on)
+    with pytest.raises(wo.NotConverged, match="with lanes across the width"):
+        solve(problem, lanes_of([0.001, -0.001]), nip)
+
+
+class SlackFromARadius(PowerNip):
+    """No nip: the second lane is longer from a radius of 0.06 m on, by 0.02 % of its length."""
+
+    def tension_at(self, lanes):
+        strain = self.wound_on / self.thickness / self.modulus
+        slacker = lanes._replace(slack=np.array([0.0, 2e-4]))
+        return lambda x, c, mu, theta: tension_of_web(
+            slacker if x > np.log(0.06) else lanes, c, mu, strain, 1 - self.web / self.wound_on
+        )
+
+
+def test_a_jump_within_the_smallest_step_is_in_the_error_estimate():
+    """A stage across a jump is above the tolerance at any step: the estimate says by how much."""
+    nip = usual_nip(SlackFromARadius)
+    problem = roll_of("newsprint, K2 40", 0.08, nip.wound_on)
+    lane = solve(problem, lanes_of([0.0, 0.0]), nip)
+    # equal lanes of strain tau share the jump of the slack b: theta changes by +-b/(2 tau), of
+    # which the estimate is a fifth; kappa changes less.  1 %: the length of the smallest step
+    jump = 2e-4 / 2 / (nip.wound_on / nip.thickness / nip.modulus)
+    assert jump * 0.2 > 2 * 2e-3  # far above the tolerance
+    assert lane.errors["worst_lane.tension"] >= 0.99 * 0.2 * jump * lane.worst.tension
+    smooth = solve(problem, lanes_of([0.0, 0.0]), usual_nip())
+    assert smooth.errors["worst_lane.tension"] == pytest.approx(2e-3 * smooth.worst.tension)
 
 
 # ---- closed forms and limits --------------------------------------------------------------------

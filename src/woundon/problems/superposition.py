@@ -96,29 +96,35 @@ def superpose(isotherms: Sequence[Isotherm], reference: float, wlf: bool) -> Sup
     """
     first = np.cumsum([0.0, *(_pair_shift(*pair) for pair in pairwise(isotherms))])
     residuals = _Residuals(isotherms, first)
-    T = np.array([isotherm.temperature for isotherm in isotherms])
     if not wlf:
-        p, covariance = _least_squares(residuals, first[1:], _free)
-        return Superposition(_free(p), np.pad(covariance, (1, 0)), residuals.fit(_free(p)), None)
-    start = _first_wlf(T - reference, first)
+        others, of_others = _least_squares(residuals, first[1:], _free)
+        shift = _free(others)
+        # the shift of the first isotherm is zero by definition: its row and column are zero
+        covariance = np.zeros((shift.size, shift.size))
+        covariance[1:, 1:] = of_others
+        return Superposition(shift, covariance, residuals.fit(shift), None)
+    difference = np.array([isotherm.temperature for isotherm in isotherms]) - reference
+    start = _first_wlf(difference, first)
     lowest = log(1e-3)  # of C1, and of the distance of C2 from the pole, in logarithms
 
-    def law(p: Array) -> Array:
-        """Return the shifts relative to the first; p = ln C1, ln of C2 less its smallest value."""
-        C1, C2 = _constants(p, T - reference)
-        shift = wlf_shifts(C1, C2, T - reference)
+    def law(logarithms: Array) -> Array:
+        """Return the shifts relative to the first isotherm, of ln C1 and ln(C2 - C2_min)."""
+        shift = wlf_shifts(*_constants(logarithms, difference), difference)
         return shift - shift[0]
 
-    p, covariance = _least_squares(residuals, np.maximum(start, lowest), law)
-    slope = _derivative(law, p, 1e-4)
-    C1, C2 = _constants(p, T - reference)
-    covariance = slope @ covariance @ slope.T
-    return Superposition(law(p), covariance, residuals.fit(law(p)), (C1, C2, reference))
+    logarithms, of_logarithms = _least_squares(residuals, np.maximum(start, lowest), law)
+    shift = law(logarithms)
+    # the covariance of the parameters, propagated to the shifts
+    slope = _derivative(law, logarithms, 1e-4)
+    C1, C2 = _constants(logarithms, difference)
+    return Superposition(
+        shift, slope @ of_logarithms @ slope.T, residuals.fit(shift), (C1, C2, reference)
+    )
 
 
-def _free(p: Array) -> Array:
-    """Return the shifts relative to the first isotherm; those of all others are free."""
-    return np.concatenate([[0.0], p])
+def _free(others: Array) -> Array:
+    """Return the shifts of all isotherms relative to the first, of those of all others."""
+    return np.concatenate([[0.0], others])
 
 
 def _constants(p: Array, difference: Array) -> tuple[float, float]:

@@ -168,6 +168,8 @@ class GrowthEffect(NamedTuple):
     def by_stage(self, weights: Array, owners: Array, count: int) -> Array:
         """Return weighted sums of the derivatives over the points of each stage.
 
+        The entry (i, k) is the sum of weight times d source/d kappa_k over the points of stage i.
+
         Parameters
         ----------
         weights : (3 n,) array
@@ -181,9 +183,12 @@ class GrowthEffect(NamedTuple):
         (J, J) array
             Rows: stages of the points, columns: stages of kappa.
         """
-        pairs = (owners * count)[:, None] + self.stages.reshape(3, owners.size, -1)
+        rows = np.tile(owners, 3)[:, None]  # of the points: a cell has three
+        columns = self.stages
+        # bincount adds the values with the same index: that of the entry in the flat matrix
+        entries = rows * count + columns
         weighted = weights[:, None] * self.factors
-        sums = np.bincount(pairs.ravel(), weighted.ravel(), minlength=count**2)
+        sums = np.bincount(entries.ravel(), weighted.ravel(), minlength=count * count)
         return sums.reshape(count, count)
 
 

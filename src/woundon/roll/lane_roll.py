@@ -109,6 +109,8 @@ class LaneRoll:
         (L, M) arrays, see :data:`LANE_QUANTITIES` [SI].
     stages : int
         Number of stages of the build-up.
+    stage_error : float
+        Largest error estimate of a stage, relative to kappa + 2 and to the mean tension.
     errors : mapping of str to float
         Estimated errors of the worst values, by the name of the output [SI].
     """
@@ -123,6 +125,7 @@ class LaneRoll:
     ridge_height: Array
     band_strain: Array
     stages: int
+    stage_error: float
     errors: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
@@ -276,7 +279,8 @@ def solve_lanes(
     A lane has the mean thickness of its part of the width.  Further lanes without a share of the
     width, which do not affect the others, have the extreme thicknesses of the profile: the
     difference of their worst values from those of the lanes is the error of the number of lanes.
-    The stages add an error below their tolerance, and the mean roll its own.
+    The stages add their tolerance, or their largest error where that exceeds it, and the mean roll
+    its own.
 
     Parameters
     ----------
@@ -310,8 +314,9 @@ def solve_lanes(
         value, extreme = (getattr(each.worst, part.name) for each in (roll, solved))
         # the tolerance of the tension is relative to that of the mean web, which is given
         scale = roll.worst.tension if part.name == "least_tension" else abs(value)
-        of_stages = tolerance * scale + (of_mean * abs(value) if part.name in PRESSURES else 0.0)
-        errors[f"worst_lane.{part.name}"] = abs(value - extreme) + of_stages
+        of_stages = max(tolerance, roll.stage_error) * scale
+        of_roll = of_mean * abs(value) if part.name in PRESSURES else 0.0
+        errors[f"worst_lane.{part.name}"] = abs(value - extreme) + of_stages + of_roll
     # the boundary of a slack part lies anywhere within a lane
     is_partly_slack = 0 < roll.worst.slack_share < 1 or solved.worst.least_tension == 0
     errors["worst_lane.slack_share"] = float(np.max(lanes.share)) if is_partly_slack else 0.0
@@ -369,6 +374,7 @@ def _solve(
         ridge_height=functions[RHO] * r,
         band_strain=T * theta / equations.tangential,
         stages=wound.curves.x.size - 1,
+        stage_error=wound.largest_error,
     )
 
 
@@ -408,9 +414,9 @@ def _check_law(roll: LaneRoll, stack: Any) -> None:
     """Raise an error for a pressure beyond the range of the stack's law."""
     lane = int(np.argmax(np.max(roll.pressure, axis=1)))
     P = float(np.max(roll.pressure[lane]))
-    if min(stack.limit, stack.radial.max_pressure) > P:
-        return
     end = min(stack.limit, stack.radial.max_pressure)
+    if end > P:
+        return
     raise NotConverged(
         f"the pressure of the lane at {roll.lanes.position[lane]:.4g} m across the web reaches "
         f"{P:.4g} Pa, beyond the range of the stack law, which ends at {end:.4g} Pa; lower the "

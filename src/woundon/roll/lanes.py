@@ -12,10 +12,13 @@ With the mean radius s = sum w_j s_j as the independent variable, x = ln s, and 
 
     d rho_j/dx = h_j g_j/m - 1 - rho_j,    m = sum w_j h_j g_j.
 
-The ridge rho_j approaches its final value within 1/(1 + kappa) of ln r, a fraction of a stage: the
-equation is stiff.  Kappa, T and rho are interpolated between the stages by the same polynomials of
-order three (:class:`.Growth`), and rho satisfies its equation at each stage, which is the backward
-differentiation formula (BDF) of order three.  Unknowns of a stage are P_j, kappa_j and
+A higher lane is tighter, T_j = T + E_t rho_j, and its g_j smaller by (1 + kappa) rho_j.  With
+(1 + kappa) T/E_t small compared with 1, a deviation of the relative height therefore decays like
+d rho_j/dx = -(2 + kappa) rho_j, within 1/(2 + kappa) of ln r (and that of the height s rho_j within
+s/(1 + kappa) of the radius), a fraction of a stage: the equation is stiff.  Kappa, T and rho are
+interpolated between the stages by the same polynomials of order three (:class:`.Growth`), and rho
+satisfies its equation at each stage, which is the backward differentiation formula (BDF) of order
+three.  Unknowns of a stage are P_j, kappa_j and
 
     theta_j = T_j/T,    T = WOT/h of the mean web,
 
@@ -65,8 +68,9 @@ from .stage_nodes import Tension, cell_source, kinks_of, nodes_between
 __all__ = ["LaneBuildUp", "TensionAt", "wind_lanes"]
 
 Array = np.ndarray
-# (x = ln s, c, mu, initial theta) -> tension of the lanes with rho = c - mu theta
-TensionAt = Callable[[float, Array, Array, Array], TensionOfLanes]
+# (x = ln s, c, mu, initial theta) -> tension of the lanes with rho = c - mu theta;
+# None if it cannot be found from the initial theta
+TensionAt = Callable[[float, Array, Array, Array], TensionOfLanes | None]
 
 MAX_ITERATIONS = 60
 MAX_STAGES = 5000  # a plain roll has about 50
@@ -116,6 +120,10 @@ class LaneBuildUp:
         Pressure at the same layers of the lanes, and r dP/dr [Pa].
     reference_P, reference_Q : (n + 1,) arrays
         Those of the mean roll.
+    largest_error : float
+        Largest error estimate of this and the previous stages, relative to kappa + 2 and to the
+        mean tension.  It exceeds the tolerance where the tension or kappa of a lane jumps: no step
+        is short enough there.
     data : StageData, optional
         Nodes, source and core tension of the lanes, one after the other; None before the last
         stage.
@@ -127,6 +135,7 @@ class LaneBuildUp:
     Q: Array
     reference_P: Array
     reference_Q: Array
+    largest_error: float
     data: StageData | None = None
 
     def functions(self, x: Array) -> Array:
@@ -209,6 +218,7 @@ class _Core(NamedTuple):
     """The lanes on the core, before the first layer; see :class:`LaneBuildUp`."""
 
     curves: Growth
+    largest_error: float = 0.0
 
 
 class _Lanes:
@@ -220,6 +230,11 @@ class _Lanes:
     ----------
     last : LaneBuildUp
         The last stage; at first the core.
+
+    Raises
+    ------
+    NotWoundError
+        If the tension of the first layer cannot be found.
     """
 
     def __init__(
@@ -237,6 +252,8 @@ class _Lanes:
         self.cells, self.surface_layer = cells, surface_layer
         start, zero = float(reference.growth.x[0]), np.zeros(lanes.share.size)
         on_core = tension_at(start, zero, zero, zero + 1)
+        if on_core is None:
+            raise NotWoundError(no_stage_beyond(start))
         values = np.concatenate([zero, on_core.wound_on, zero, on_core.web, on_core.load])
         self.T_c = float(tension.at(np.array([exp(start)]))[0])
         self.core_tension = self.T_c * on_core.wound_on
@@ -272,8 +289,10 @@ class _Lanes:
         kappa = float(self.reference.growth(nodes[-1:])[0]) + values[KAPPA]
         change = np.abs(values - guess)
         error = max(np.max(change[KAPPA] / (2 + np.abs(kappa))), np.max(change[THETA]))
+        error = IMPLICIT_ERROR * float(error)
         extended = curves.with_stage(surface, values.ravel())
-        return LaneBuildUp(extended, nodes, lane_P, lane_Q, P, Q), IMPLICIT_ERROR * float(error)
+        largest = max(error, self.last.largest_error)
+        return LaneBuildUp(extended, nodes, lane_P, lane_Q, P, Q, largest), error
 
     def _reference_stage(self, surface: float) -> tuple[Array, Array, Array]:
         """Return nodes, P and Q of the mean roll at another stage than its own.
@@ -403,6 +422,8 @@ class _Lanes:
             c = relative * (1 - strain * rest) - 1 - rate + by_rho * guess[RHO]
             c, mu = c / (1 + by_rho), relative * strain * inward / (1 + by_rho)
             tension = self.tension_at(surface, c, mu, theta)
+            if tension is None:
+                return None
             dtheta = tension.wound_on - theta
             dkappa = free - softening * dtheta
             step = step + dkappa[:, None, None] * of_kappa + dtheta[:, None, None] * of_theta

@@ -249,9 +249,15 @@ def lanes_of(
     nips : NipsAcross, optional
         The nips of a winding.
     """
-    tolerance = FIRST_TOLERANCE * TOLERANCE_FACTOR ** _first_level(rtol)
     return solve_lanes(
-        roll.result, roll.build_up, problem, tolerance=tolerance, count=lanes, nips=nips
+        roll.result,
+        roll.build_up,
+        problem,
+        # That with which the stages of the mean roll begin for this rtol.  Those of the lanes are
+        # not refined further: the tolerance is a part of the error estimates of the lanes.
+        tolerance=FIRST_TOLERANCE * TOLERANCE_FACTOR ** _first_level(rtol),
+        count=lanes,
+        nips=nips,
     )
 
 

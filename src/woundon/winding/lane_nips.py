@@ -17,7 +17,7 @@ share the load: the nips then add the same tension to all lanes, and their load 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -47,6 +47,27 @@ RADII = 5  # at which the nip is solved under other loads, of those of the windi
 LOADS = (0.5, 1.0, 2.0)
 
 
+class _Curve:
+    """A monotone cubic through samples, continued by straight lines.
+
+    Parameters
+    ----------
+    x, y : (k,) arrays
+        The samples, x rising.
+    """
+
+    def __init__(self, x: Array, y: Array) -> None:
+        self.first, self.last = float(x[0]), float(x[-1])
+        self.value = PchipInterpolator(x, y)
+        self.slope = self.value.derivative()
+
+    def at(self, x: Array) -> tuple[Array, Array]:
+        """Return the values and the slopes at any x."""
+        inside = np.clip(x, self.first, self.last)
+        slope = self.slope(inside)
+        return self.value(inside) + slope * (x - inside), slope
+
+
 @dataclass(frozen=True)
 class NipAtRadius:
     """A nip at one radius as a function of its load; see :class:`.lane_tension.NipAcross`.
@@ -74,41 +95,31 @@ class NipAtRadius:
     added_change: Array
     friction_force: float
 
-    def __post_init__(self) -> None:
-        """Construct the interpolants."""
-        log_load = PchipInterpolator(self.log_approach, np.log(LOADS), extrapolate=False)
-        f = np.array([0.0, *LOADS])
+    @cached_property
+    def _log_load(self) -> _Curve:
+        """ln(P/N) over ln(delta/delta_N); a straight line is a power of delta."""
+        return _Curve(self.log_approach, np.log(LOADS))
+
+    @cached_property
+    def _added_change(self) -> _Curve:
+        """(A - A_N)/(mu+ N) over P/N; A = 0 without load."""
         without_load = -self.added_at_load / self.friction_force
-        added = PchipInterpolator(f, [without_load, *self.added_change], extrapolate=False)
-        slopes = log_load.derivative()(self.log_approach[[0, -1]]), float(added.derivative()(f[-1]))
-        object.__setattr__(self, "_curves", (log_load, log_load.derivative(), slopes[0]))
-        object.__setattr__(self, "_added", (added, added.derivative(), slopes[1]))
+        return _Curve(np.array([0.0, *LOADS]), np.array([without_load, *self.added_change]))
 
     def load_at(self, approach: Array) -> tuple[Array, Array]:
         """Return P [N/m] and dP/d delta [N/m^2] at approaches [m]; zero at negative ones."""
-        curve, slope, ends = self._curves  # type: ignore[attr-defined]
         touches = approach > 0
-        x = np.log(np.where(touches, approach, self.approach) / self.approach)
-        low, high = self.log_approach[[0, -1]]
-        inside = np.clip(x, low, high)
-        exponent = np.where(x < low, ends[0], np.where(x > high, ends[1], slope(inside)))
-        load = self.load * np.exp(curve(inside) + exponent * (x - inside))
-        safe = np.where(touches, approach, 1.0)
-        return np.where(touches, load, 0.0), np.where(touches, load * exponent / safe, 0.0)
-
-    def approach_at(self, load: float) -> float:
-        """Return the approach [m] at the load of the winding [N/m]."""
-        return self.approach
+        delta = np.where(touches, approach, self.approach)  # any positive one without contact
+        log_load, exponent = self._log_load.at(np.log(delta / self.approach))
+        load = self.load * np.exp(log_load)
+        # d ln P/d ln delta is the exponent
+        return np.where(touches, load, 0.0), np.where(touches, load * exponent / delta, 0.0)
 
     def added(self, load: Array) -> tuple[Array, Array]:
         """Return A(P) [N/m] and dA/dP [1] at loads [N/m]."""
-        curve, slope, end = self._added  # type: ignore[attr-defined]
-        f = load / self.load
-        inside = np.clip(f, 0.0, LOADS[-1])
-        value = curve(inside) + end * (f - inside)
-        change = np.where(f > LOADS[-1], end, slope(inside))
+        change, slope = self._added_change.at(load / self.load)
         ratio = self.friction_force / self.load
-        return self.added_at_load + self.friction_force * value, ratio * change
+        return self.added_at_load + self.friction_force * change, ratio * slope
 
 
 class _Nips:
@@ -141,7 +152,7 @@ class _Nips:
         E_t = float(self.roll.problem.stack.tangential)
         h = float(self.roll.problem.web_thickness)
 
-        def tension(x: float, c: Array, mu: Array, guess: Array) -> TensionOfLanes:
+        def tension(x: float, c: Array, mu: Array, guess: Array) -> TensionOfLanes | None:
             r = np.array([np.exp(x)])
             wound_on = h * float(self.roll.problem.tension_curve.at(r)[0])
             web, strain = float(self.web_tension(r)[0]), wound_on / (h * E_t)

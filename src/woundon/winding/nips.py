@@ -141,11 +141,12 @@ class Nips:
 
         The solution on the last mesh stays the same.
         """
+        if not self.errors or self._has_estimates:
+            return
         for radius, sample in self.samples.items():
-            if self.errors and not self._has_estimates:
-                nip = sample.result
-                result = solve_nip(nip.problem, nodes=self.nodes, start=nip)
-                self.samples[radius] = sample._replace(result=result)
+            nip = sample.result
+            result = solve_nip(nip.problem, nodes=self.nodes, start=nip)
+            self.samples[radius] = sample._replace(result=result)
 
     @property
     def _has_estimates(self) -> bool:
