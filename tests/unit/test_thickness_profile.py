@@ -352,3 +352,9 @@ def test_a_loaded_winding_has_lanes(winding, tmp_path):
 def test_the_number_of_lanes_is_checked(value):
     with pytest.raises(wo.InvalidProblem, match="lanes"):
         wo.solve(ROLL, lanes=value)
+
+
+@pytest.mark.parametrize("kind", [wo.RollProblem, wo.WindingProblem])
+def test_an_oscillation_without_a_profile_has_no_effect_and_says_so(kind: Any) -> None:
+    problem = kind.example().replace(oscillation=0.1)
+    assert problem.input_warnings == ("oscillation = 0.1 m is not used: there is no profile",)

@@ -271,11 +271,14 @@ def faults_across(problem: Any, width: float | None = None) -> Iterator[tuple[st
 
 
 def warnings_across(problem: Any, web_thickness: float) -> Iterator[str]:
-    """Yield a warning for a profile in metres whose mean is not the thickness of the web.
+    """Yield warnings about the thickness across the width.
 
-    Relative thicknesses have a mean of about 1 or 100.
+    For an oscillation without a profile, and for a profile in metres whose mean is not the
+    thickness of the web: relative thicknesses have a mean of about 1 or 100.
     """
     profile = problem.thickness_profile
+    if profile is None and problem.oscillation:
+        yield f"oscillation = {problem.oscillation:.6g} m is not used: there is no profile"
     if profile is None or profile.mean > 0.1:
         return
     if abs(profile.mean / web_thickness - 1) > CALIPERS_DIFFER:
