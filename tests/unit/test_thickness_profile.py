@@ -355,6 +355,6 @@ def test_the_number_of_lanes_is_checked(value):
 
 
 @pytest.mark.parametrize("kind", [wo.RollProblem, wo.WindingProblem])
-def test_an_oscillation_without_a_profile_has_no_effect_and_says_so(kind: Any) -> None:
+def test_an_oscillation_without_a_profile_has_no_effect_and_says_so(kind):
     problem = kind.example().replace(oscillation=0.1)
     assert problem.input_warnings == ("oscillation = 0.1 m is not used: there is no profile",)
