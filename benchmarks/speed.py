@@ -13,8 +13,8 @@ dense LU solution of 398 x 398, the size of the thesis's system, in the same pro
 revision than 0.2 uses the packages of this environment.
 
     plain ... hardening   a solution with the default options (random_nips.py)
-    two_nips, three_nips  the same, with --alone: earlier revisions have no further nips; compare with
-                          wrapped, the same nips without them
+    two_nips, three_nips  the same, with --alone: earlier revisions have no further nips; wrapped
+                          has the same nips without them
     readme                the wrapped nip of the README, radii up to 0.1 % apart
     neighbours            three wrapped nips, each with start= the one before, 1 to 5 % apart
     sensitivities         derivatives of a plain nip with respect to all inputs
