@@ -77,17 +77,25 @@ def test_lone_bands_of_three_rolls(web, tensions, ratios):
     problem = roll_of(web, float(lanes.share @ laid.surface))
     lane = solve(problem, lanes)
     E_t, h = problem.stack.tangential, problem.web_thickness
-    # The table of the rolls of strips, of longer rolls: 0.6 % covers their greater depth.
-    assert laid.tension[-1, 1:] * h * (1 + lanes.excess[1:]) == pytest.approx(tensions, rel=0.012)
-    assert lane.wound_on_tension[1:, -1] == pytest.approx(tensions, rel=0.012)
-    # layers of finite thickness, 0.3 % in the hardest band; 1 % is requested
+    # A third program, with strips: its tensions, printed with four digits, differ from those of the
+    # rings by 0.22 % in the hardest band (PET, 1 %) and by less than 0.1 % in the others.
+    assert laid.tension[-1, 1:] * h * (1 + lanes.excess[1:]) == pytest.approx(tensions, rel=3e-3)
+    # The solver has thin layers: 0.51 % from the strips and 0.29 % from the rings in the hardest
+    # band, 0.19 and 0.09 % in the others; 1 % is requested.
+    assert lane.wound_on_tension[1:, -1] == pytest.approx(tensions, rel=6e-3)
     assert lane.wound_on_tension[:, -1] == pytest.approx(
         laid.tension[-1] * h * (1 + lanes.excess), rel=4e-3
     )
-    # the pressure at a third of the layers, in long rolls a little larger
+    # The pressure at a third of the layers: rings of finite thickness are up to 0.40 % from the
+    # solver at the same radius (K2 127, 1 %), 0.35 % in PET.
     mid = laid.laid[500, 0]
     P = at(mid, lane.radius, lane.pressure.T)
-    assert P[1:] / P[0] == pytest.approx(ratios, rel=0.06)
+    of_rings = at(mid, laid.laid[:, 0], laid.pressure)
+    assert P[1:] / P[0] == pytest.approx(of_rings[1:] / of_rings[0], rel=5e-3)
+    # The strips' ratios are "deep in a long roll", without a radius, and vary along it: in PET 5.45
+    # at a fifth of the layers, 5.35 at a third, 4.85 at half, against 5.2.  Measured at a third:
+    # 0.3 and 0.5 % (K2 40), 0.3 and 0.1 % (K2 127), 1.7 and 2.9 % (PET).
+    assert P[1:] / P[0] == pytest.approx(ratios, rel=0.035 if web == "PET" else 6e-3)
     assert lane.band_strain * E_t * h * (1 + lanes.excess)[:, None] == pytest.approx(
         lane.wound_on_tension
     )
