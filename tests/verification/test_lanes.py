@@ -13,7 +13,7 @@ from slow_cases import campaign_case, slow_case
 
 import woundon as wo
 from woundon.problems.thickness_profile import Lanes
-from woundon.roll.lane_roll import solve_lanes
+from woundon.roll.lane_roll import _check_law, solve_lanes
 from woundon.roll.lane_tension import tension_of_web
 from woundon.roll.solve import solve_thin_layers
 
@@ -77,17 +77,25 @@ def test_lone_bands_of_three_rolls(web, tensions, ratios):
     problem = roll_of(web, float(lanes.share @ laid.surface))
     lane = solve(problem, lanes)
     E_t, h = problem.stack.tangential, problem.web_thickness
-    # The table of the rolls of strips, of longer rolls: 0.6 % covers their greater depth.
-    assert laid.tension[-1, 1:] * h * (1 + lanes.excess[1:]) == pytest.approx(tensions, rel=0.012)
-    assert lane.wound_on_tension[1:, -1] == pytest.approx(tensions, rel=0.012)
-    # layers of finite thickness, 0.3 % in the hardest band; 1 % is requested
+    # A third program, with strips: its tensions, printed with four digits, differ from those of the
+    # rings by 0.22 % in the hardest band (PET, 1 %) and by less than 0.1 % in the others.
+    assert laid.tension[-1, 1:] * h * (1 + lanes.excess[1:]) == pytest.approx(tensions, rel=3e-3)
+    # The solver has thin layers: 0.51 % from the strips and 0.29 % from the rings in the hardest
+    # band, 0.19 and 0.09 % in the others; 1 % is requested.
+    assert lane.wound_on_tension[1:, -1] == pytest.approx(tensions, rel=6e-3)
     assert lane.wound_on_tension[:, -1] == pytest.approx(
         laid.tension[-1] * h * (1 + lanes.excess), rel=4e-3
     )
-    # the pressure at a third of the layers, in long rolls a little larger
+    # The pressure at a third of the layers: rings of finite thickness are up to 0.40 % from the
+    # solver at the same radius (K2 127, 1 %), 0.35 % in PET.
     mid = laid.laid[500, 0]
     P = at(mid, lane.radius, lane.pressure.T)
-    assert P[1:] / P[0] == pytest.approx(ratios, rel=0.06)
+    of_rings = at(mid, laid.laid[:, 0], laid.pressure)
+    assert P[1:] / P[0] == pytest.approx(of_rings[1:] / of_rings[0], rel=5e-3)
+    # The strips' ratios are "deep in a long roll", without a radius, and vary along it: in PET 5.45
+    # at a fifth of the layers, 5.35 at a third, 4.85 at half, against 5.2.  Measured at a third:
+    # 0.3 and 0.5 % (K2 40), 0.3 and 0.1 % (K2 127), 1.7 and 2.9 % (PET).
+    assert P[1:] / P[0] == pytest.approx(ratios, rel=0.035 if web == "PET" else 6e-3)
     assert lane.band_strain * E_t * h * (1 + lanes.excess)[:, None] == pytest.approx(
         lane.wound_on_tension
     )
@@ -278,15 +286,46 @@ def test_thick_and_thin_lanes_are_symmetric_to_first_order():
     assert (high / mean - 1) / d == pytest.approx(22.29 - 1, rel=0.003)
 
 
+def test_thick_and_thin_lanes_share_the_tension():
+    """Conservation: the tensions per width of lanes of +-d deviate by opposite amounts.
+
+    1e-10 of d is that of the independent program; rounding is 1e-13 of d here.
+    """
+    d = 1e-3
+    lane = solve(roll_of("newsprint, K2 40", 0.08), lanes_of([d, -d]))
+    deviation = lane.wound_on_tension / 350.0 - 1
+    assert deviation.sum(axis=0) == pytest.approx(np.zeros(lane.radius.size), abs=1e-10 * d)
+    # not by symmetry of the strains: sum (1 + d_j) theta_j = 2, of second order in d
+    theta = lane.band_strain[:, -1] / (350.0 / 66e-6 / 3.38e9)
+    assert theta.sum() - 2 == pytest.approx(-d * (theta[0] - theta[1]), rel=1e-9)
+
+
+def test_the_share_of_a_lane_tends_to_zero():
+    """Limit: a band of a small share w takes w times its surplus from the others."""
+    problem, tension = roll_of("PET", 0.1), {}
+    for share in (1e-3, 1e-4, 0.0):
+        rest = (1 - share) / 2
+        lanes = lanes_of([-0.002, 0.002, 0.01], share=[rest, rest, share])
+        tension[share] = solve(problem, lanes, tolerance=1e-4).wound_on_tension[:, -1]
+    change = {share: tension[share][:2] - tension[0.0][:2] for share in (1e-3, 1e-4)}
+    assert (change[1e-4] < 0).all()
+    # linear in the share: the next order is 1e-3 of it, the errors of the stages about the same
+    assert change[1e-3] == pytest.approx(10 * change[1e-4], rel=5e-3)
+    # exactly, from sum w T = T_in: the mean of the others changes by -w (T_band - T_in)/(1 - w)
+    for share in (1e-3, 1e-4):
+        surplus = tension[share][2] - 175.0
+        assert change[share].mean() == pytest.approx(-share * surplus / (1 - share), rel=1e-7)
+
+
 def test_a_lane_without_a_share_changes_no_other_lane():
     problem = roll_of("PET", 0.1)
     base = lanes_of([-0.002, 0.002])
     alone = solve(problem, base, tolerance=1e-4)
     lanes = lanes_of([-0.002, 0.002, 0.01], share=[0.5, 0.5, 0.0])
     with_band = solve(problem, lanes, tolerance=1e-4)
-    # the band adds stages; both have errors of the tolerance
+    # the band adds stages: errors of their tolerance, 1e-4; measured 6e-6
     assert with_band.wound_on_tension[:2, -1] == pytest.approx(
-        alone.wound_on_tension[:, -1], rel=2e-4
+        alone.wound_on_tension[:, -1], rel=2e-5
     )
     assert with_band.wound_on_tension[2, -1] > 1.5 * with_band.wound_on_tension[1, -1]
 
@@ -332,6 +371,20 @@ def test_a_long_lane_carries_less():
     assert lane.wound_on_tension.mean(axis=0) == pytest.approx(
         np.full(lane.radius.shape, 175.0), rel=1e-12
     )
+
+
+def test_the_law_ends_above_the_pressure_of_every_lane():
+    """A law that ends at the largest pressure of a lane is refused, one beyond it is not."""
+    lane = solve(roll_of("PET", 0.06), lanes_of([0.001, -0.001]))
+    P = lane.worst.pressure
+
+    def law(limit, max_pressure):
+        return SimpleNamespace(limit=limit, radial=SimpleNamespace(max_pressure=max_pressure))
+
+    for ends in ((P, np.inf), (np.inf, P)):
+        with pytest.raises(wo.NotConverged, match="beyond the range of the stack law"):
+            _check_law(lane, law(*ends))
+    _check_law(lane, law(1.001 * P, 1.002 * P))
 
 
 # ---- profiles -----------------------------------------------------------------------------------
