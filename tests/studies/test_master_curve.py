@@ -231,6 +231,21 @@ def test_scales_of_a_file(tmp_path: Path, unit: str, text: str, in_cells: bool) 
         wo.master_curve(tmp_path / "sweeps.csv", "40 degC")
 
 
+@pytest.mark.parametrize(
+    ("path", "text"),
+    [
+        (None, "path: None is out of place"),
+        ("cover.json", "the ending '.json' is not a known format; must be .csv"),
+        ("nodir/cover.csv", "the folder '.*nodir' does not exist"),
+    ],
+)
+def test_paths_of_no_table_are_rejected(tmp_path: Path, path: Any, text: str) -> None:
+    curve = wo.master_curve(exact_isotherms(), 40.0)
+    with pytest.raises(wo.InvalidProblem, match=text):
+        curve.save(path and tmp_path / path)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_vertical_shifts_are_remarked_on() -> None:
     """Moduli that fall by a third from one isotherm to the next as well: no superposition."""
     tables = {

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..arguments import check_arguments
+from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem
 from ..io.cells import Fault, numbers, raise_faults
+from ..io.files import check_writable
 from ..io.sheets import Sheet, read_sheet
 from ..io.spreadsheets import write_csv
 from ..io.tables import Column, Names, match_columns
@@ -186,7 +187,18 @@ class MasterCurve(Outcome):
         ----------
         path : path
             ``.csv`` file.
+
+        Raises
+        ------
+        InvalidProblem
+            For another ending, and a folder that does not exist or cannot be written.
         """
+        check_type("path", path, str, os.PathLike)
+        ending = Path(path).suffix
+        if ending != ".csv":
+            text = f"the ending {ending!r} is not a known format; must be .csv"
+            raise InvalidProblem.at(str(path), text)
+        check_writable(Path(path))
         units = {"frequency": "Hz", "storage_modulus": "Pa", "loss_modulus": "Pa"}
         frame = self.to_dataframe()[list(units)]
         write_csv(Path(path), frame.rename(columns=lambda name: f"{name} [{units[name]}]"))
