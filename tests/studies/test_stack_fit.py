@@ -95,7 +95,8 @@ def test_compression_may_be_negative_and_the_load_cell_have_an_offset():
     [
         ({}, {}, "area: missing; the load needs the area of the stack"),
         ({}, {"area": AREA}, "height: missing; the deflection needs the height"),
-        ({}, {"area": "0 m^2", "height": HEIGHT}, "area: '0 m^2' is out of range; must be >= 1e-06"),
+        ({}, {"area": "0 m^2", "height": HEIGHT},
+         "area: '0 m^2' is out of range; must be >= 1e-06"),
         ({}, {"area": 1e-300, "height": HEIGHT},
          "area: 1e-300 is out of range; must be >= 1e-06 and <= 10 [m^2]"),
         ({}, {"area": AREA, "height": "20 um"},
