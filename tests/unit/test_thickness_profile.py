@@ -176,6 +176,12 @@ def test_a_scan_with_a_gap_is_rejected(tmp_path):
         wo.load_case(tmp_path / "roll.toml")
 
 
+@pytest.mark.parametrize("path", [None, 3, ["scan.csv"]])
+def test_a_path_of_another_type_is_rejected(path):
+    with pytest.raises(wo.InvalidProblem, match="^path: .*; must be a str or PathLike"):
+        wo.read_thickness_profile(path)
+
+
 def test_several_scans_in_a_spreadsheet(tmp_path):
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()
