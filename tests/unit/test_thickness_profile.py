@@ -101,7 +101,7 @@ def test_the_amplitude_is_checked(amplitude):
         with pytest.raises(wo.InvalidProblem, match=text):
             method(amplitude)
     for other in (None, "wide", "1 kg"):
-        with pytest.raises(wo.InvalidProblem, match="^oscillation: "):
+        with pytest.raises(wo.InvalidProblem, match=r"^oscillation: "):
             BAND.lanes(5, other)
 
 
@@ -178,7 +178,7 @@ def test_a_scan_with_a_gap_is_rejected(tmp_path):
 
 @pytest.mark.parametrize("path", [None, 3, ["scan.csv"]])
 def test_a_path_of_another_type_is_rejected(path):
-    with pytest.raises(wo.InvalidProblem, match="^path: .*; must be a str or PathLike"):
+    with pytest.raises(wo.InvalidProblem, match=r"^path: .*; must be a str or PathLike"):
         wo.read_thickness_profile(path)
 
 

@@ -342,8 +342,9 @@ def _isotherms(tables: Any, columns: Mapping[str, str | None], scale: str) -> li
 
     ``scale`` is that of the reference temperature, empty if it is a plain number.
     """
+    found: list[Isotherm] = []
     if _is_by_temperature(tables):
-        found, scales = [], {scale}
+        scales = {scale}
         for key, table in tables.items():
             T, own = _temperature(key, "isotherms")
             scales.add(own)
