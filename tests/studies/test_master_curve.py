@@ -191,6 +191,61 @@ def test_rejected_arguments(changes: dict[str, Any], text: str) -> None:
         wo.master_curve(**arguments)
 
 
+WARM, HOT = (exact_isotherms()[T] for T in (10.0, 25.0))
+
+
+@pytest.mark.parametrize(
+    ("isotherms", "reference", "text"),
+    [
+        ({"40 degF": WARM, "70 degF": HOT}, 40.0, "isotherms: '40 degF' is in degF; must be in"),
+        ({10.0: WARM, 25.0: HOT}, "60 \N{DEGREE SIGN}F", "reference_temperature: '60 .F' is in .F"),
+        ({"10 degC": WARM, 15: HOT, "303 K": HOT}, 12.0, "isotherms: temperatures are in K and"),
+        ({"10 degC": WARM, "25 degC": HOT}, "290 K", "are in K and degC; must be in one scale"),
+        ({float("nan"): WARM, 25.0: HOT}, 20.0, "isotherms: nan is not a temperature; must be in"),
+        ({"zero": WARM, 25.0: HOT}, 20.0, "isotherms: 'zero' is not a temperature; must be in"),
+        ({"zero": WARM, "ten": HOT}, 20.0, "isotherms: 'zero' is not a temperature; must be in"),
+        ({"10": WARM, 25.0: HOT}, 20.0, "isotherms: '10' has no unit; must be in degC or K"),
+        ({"25 degC": WARM, 25: HOT}, 25.0, "isotherms: 25 is given twice"),
+        ({10.0: WARM, 25.0: HOT}, None, "reference_temperature: None is not a temperature"),
+    ],
+)
+def test_temperatures_of_other_scales_are_rejected(
+    isotherms: Any, reference: Any, text: str
+) -> None:
+    """40 degF is 4.44 degC, not 22.2: scales differ by their zeros, which no factor converts."""
+    with pytest.raises(wo.InvalidProblem, match=text) as caught:
+        wo.master_curve(isotherms, reference)
+    assert "difference" not in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("in_cells", [False, True])
+@pytest.mark.parametrize(("unit", "text"), [("degF", "is in degF"), ("K", "are in K and degC")])
+def test_scales_of_a_file(tmp_path: Path, unit: str, text: str, in_cells: bool) -> None:
+    header = "temperature" if in_cells else f"temperature [{unit}]"
+    frame = one_table((header, "frequency [rad/s]", "storage_modulus [MPa]", "loss_modulus [Pa]"))
+    if in_cells:
+        frame[header] = [f"{T} {unit}" for T in frame[header]]
+    frame.to_csv(tmp_path / "sweeps.csv", index=False)
+    with pytest.raises(wo.InvalidProblem, match=text):
+        wo.master_curve(tmp_path / "sweeps.csv", "40 degC")
+
+
+@pytest.mark.parametrize(
+    ("path", "text"),
+    [
+        (None, "path: None is out of place"),
+        ("cover.json", "the ending '.json' is not a known format; must be .csv"),
+        ("nodir/cover.csv", "the folder '.*nodir' does not exist"),
+    ],
+)
+def test_paths_of_no_table_are_rejected(tmp_path: Path, path: Any, text: str) -> None:
+    curve = wo.master_curve(exact_isotherms(), 40.0)
+    with pytest.raises(wo.InvalidProblem, match=text):
+        curve.save(path and tmp_path / path)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_vertical_shifts_are_remarked_on() -> None:
     """Moduli that fall by a third from one isotherm to the next as well: no superposition."""
     tables = {

@@ -95,7 +95,14 @@ def test_compression_may_be_negative_and_the_load_cell_have_an_offset():
     [
         ({}, {}, "area: missing; the load needs the area of the stack"),
         ({}, {"area": AREA}, "height: missing; the deflection needs the height"),
-        ({}, {"area": "0 m^2", "height": HEIGHT}, "area: '0 m^2' is out of range; must be > 0"),
+        ({}, {"area": "0 m^2", "height": HEIGHT},
+         "area: '0 m^2' is out of range; must be >= 1e-06"),
+        ({}, {"area": 1e-300, "height": HEIGHT},
+         "area: 1e-300 is out of range; must be >= 1e-06 and <= 10 [m^2]"),
+        ({}, {"area": AREA, "height": "20 um"},
+         "height: '20 um' is out of range; must be >= 0.0001 and <= 10 [m]"),
+        ({}, {"area": AREA, "height": "0.1 mm"},
+         "is out of range; must be < 1, at which the stack has no thickness left; check the units"),
         ({"Kraft [kN]": None}, {}, "has no column pressure or force; its columns are"),
         ({"pressure [Pa]": np.arange(300.0)}, {"area": AREA}, "area: is given, but the file has"),
         ({}, {"area": AREA, "height": HEIGHT, "branch": "up"}, "branch: 'up' must be loading or"),
@@ -107,6 +114,23 @@ def test_a_test_that_cannot_be_read_is_rejected_with_the_remedy(change, argument
     with pytest.raises(InvalidProblem) as fault:
         read_compression_test(table, **arguments)
     assert words in str(fault.value)
+
+
+@pytest.mark.parametrize(
+    ("origin", "words"),
+    [
+        (0.0, "row 5: strain 9.8 is out of range; must be < 1, .* percent need their unit, '%'"),
+        (-12.0, "row 5: strains from -10.3 to -2.2 is out of range; must be within a range < 1"),
+    ],
+)
+def test_strains_of_a_stack_without_thickness_are_rejected(tmp_path: Path, origin, words):
+    """The strains of the example of StackTest in percent, without their unit."""
+    path = tmp_path / "stack.csv"
+    rows = zip([10, 50, 200, 500], [1.7, 4.5, 7.6, 9.8], strict=True)
+    lines = ["pressure [kPa],strain [1]", *(f"{P},{eps + origin:.1f}" for P, eps in rows)]
+    path.write_text("\n".join(lines))
+    with pytest.raises(InvalidProblem, match=words):
+        wo.fit_stack(path)
 
 
 def test_noisy_rows_are_averaged_to_rising_ones():

@@ -184,6 +184,20 @@ def test_a_case_file_takes_a_field_from_a_log(tmp_path: Path):
     assert problem.web_tension.at(0.3) == pytest.approx(tension(np.array(0.3)), rel=2e-3)
 
 
+@pytest.mark.parametrize("bins", ["50", [1, 2], 2.5, 1, 1001, True])
+def test_the_number_of_bins_is_checked(tmp_path: Path, bins):
+    radius = growing(2000)
+    text = r"bins: .* is out of range: must be a whole number, 2 to 1000"
+    with pytest.raises(InvalidProblem, match=f"^{text}"):
+        wo.read_log({"radius": radius, "web_tension": tension(radius)}, WINDING, bins=bins)
+    written(tmp_path / "winder.csv", {"radius [m]": radius, "web_tension [N/m]": tension(radius)})
+    case = tomllib.loads(template("winding"))
+    case["web_tension"] = {"log": "winder.csv", "bins": bins}
+    (tmp_path / "case.toml").write_text(toml(case), encoding="utf-8")
+    with pytest.raises(InvalidProblem, match=f"web_tension.{text}"):
+        wo.load_case(tmp_path / "case.toml")
+
+
 def test_a_log_stands_only_where_a_profile_may(tmp_path: Path):
     written(tmp_path / "winder.csv", {"radius [m]": growing(50), "x [m]": growing(50)})
     text = template("roll") + '\n[core]\nlog = "winder.csv"\n'

@@ -88,6 +88,30 @@ def test_lanes_are_means_of_the_lines():
     assert_allclose(lanes.slack, np.array([0.125, 0.375, 0.625, 0.875]) * 1e-3)
 
 
+@pytest.mark.parametrize("count", [0, -1, "50", 2.5, True, 10_001, None])
+def test_the_count_of_lanes_is_checked(count):
+    text = "^count: .* is out of range; must be a whole number, 1 to 10000$"
+    with pytest.raises(wo.InvalidProblem, match=text):
+        BAND.lanes(count)
+
+
+@pytest.mark.parametrize("amplitude", [float("nan"), -0.1, 10.1, "-1 mm"])
+def test_the_amplitude_is_checked(amplitude):
+    text = r"^oscillation: .* is out of range; must be >= 0 and <= 10 \[m\]$"
+    for method in (lambda a: BAND.lanes(5, a), BAND.extremes):
+        with pytest.raises(wo.InvalidProblem, match=text):
+            method(amplitude)
+    for other in (None, "wide", "1 kg"):
+        with pytest.raises(wo.InvalidProblem, match=r"^oscillation: "):
+            BAND.lanes(5, other)
+
+
+def test_an_amplitude_is_a_length_with_a_unit():
+    for moved, still in zip(BAND.lanes(np.int64(5), "0.1 m"), BAND.lanes(5, 0.1), strict=True):
+        assert_allclose(moved, still, rtol=0)
+    assert_allclose(BAND.extremes("10 cm").excess, BAND.extremes(np.float32(0.1)).excess, rtol=1e-6)
+
+
 def test_an_oscillation_is_the_moving_average():
     """Closed form: a cosine of wave number k is multiplied by sin(k a)/(k a)."""
     y, k, a = np.linspace(0, 2, 4001), np.pi * 4, 0.1
@@ -151,6 +175,12 @@ def test_a_scan_with_a_gap_is_rejected(tmp_path):
     (tmp_path / "roll.toml").write_text(CASE)
     with pytest.raises(wo.InvalidProblem, match="the cell is empty"):
         wo.load_case(tmp_path / "roll.toml")
+
+
+@pytest.mark.parametrize("path", [None, 3, ["scan.csv"]])
+def test_a_path_of_another_type_is_rejected(path):
+    with pytest.raises(wo.InvalidProblem, match=r"^path: .*; must be a str or PathLike"):
+        wo.read_thickness_profile(path)
 
 
 def test_several_scans_in_a_spreadsheet(tmp_path):

@@ -13,6 +13,8 @@ import pytest
 import woundon as wo
 from woundon.io.case_files import make_problem
 from woundon.io.case_texts import to_toml
+from woundon.io.chosen_units import units_of
+from woundon.quantities import walk
 
 ROOT = Path(__file__).parents[2]
 R = np.linspace(0.05, 0.6, 23)
@@ -240,3 +242,12 @@ def test_the_stated_rider_load_just_holds_the_roll() -> None:
 def test_loads_need_a_winder() -> None:
     with pytest.raises(wo.InvalidProblem, match="winder: missing"):
         wo.WindingProblem.example().drum_loads(0.3)
+
+
+def test_a_torque_per_width_is_shown_in_mill_units():
+    # 1 lbf = 4.4482216152605 N exactly
+    torque = next(p.quantity for p in walk(DRIVEN) if p.path == "winder.core_torque")
+    assert torque is not None
+    assert torque.text(20.0) == "20 N"
+    with units_of(["mill"]):
+        assert torque.text(20.0) == "4.496 lbf"

@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ..arguments import whole_number
 from ..errors import InputWarning, InvalidProblem, one_of, warn
 from ..problems.inputs import Inputs
 from ..problems.messages import quote
@@ -23,7 +24,7 @@ from ..problems.problem import Problem
 from ..problems.schedules import schedule_fields
 from ..quantities import Quantity, is_list, members_of
 from .cells import Conversion, Fault, raise_faults, texts
-from .logs import read_binned
+from .logs import MOST_BINS, read_binned
 from .sheets import read_sheet
 from .stack_tests import read_compression_test, rising_means
 from .tables import Names, is_known_header, match_columns
@@ -131,11 +132,14 @@ class _Files(NamedTuple):
         if path not in fields:
             text = f"is named in [{path}]; must be in the table of {one_of(fields)}"
             raise InvalidProblem.at(str(file), text)
+        bins = table.pop("bins", None)
+        if bins is not None:  # here, so that the error names the table
+            bins = whole_number(f"{path}.bins", bins, 2, MOST_BINS)
         log = read_binned(
             file,
             {path: fields[path]},
             columns=columns,
-            bins=table.pop("bins", None),
+            bins=bins,
             conversion=Conversion(Inputs(self.problem(), self.case)),
         )
         radius, values = log.profile(path)

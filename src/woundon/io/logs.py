@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import whole_number
 from ..errors import InvalidProblem, one_of
 from ..quantities import Quantity, length, velocity
 from ..quantities import tension as tension_quantity
@@ -26,7 +27,7 @@ from .cells import Conversion, Fault, numbers, raise_faults
 from .sheets import find_table
 from .tables import OTHERS, Names, is_known_header, match_columns
 
-__all__ = ["POSITIONS", "BinnedLog", "binned", "read_binned"]
+__all__ = ["MOST_BINS", "POSITIONS", "BinnedLog", "binned", "read_binned"]
 
 Array = np.ndarray
 
@@ -145,9 +146,8 @@ def read_binned(
     InvalidProblem
         If the file has no radius, none of the quantities, or the rows of several rolls.
     """
-    if bins is not None and (isinstance(bins, bool) or not 2 <= bins <= MOST_BINS):
-        text = f"{bins} is out of range; must be >= 2 and <= {MOST_BINS}, a whole number"
-        raise InvalidProblem.at("bins", text)
+    if bins is not None:
+        bins = whole_number("bins", bins, 2, MOST_BINS)
     positions = dict.fromkeys(POSITIONS, length("r", "radius of the roll"))
     names = Names({**MOVING, **fields, **positions})
     table = find_table(data, "log", is_known_header(names, columns), sheet)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arguments import check_type
 from ..problems.thickness_profile import ThicknessProfile
 from ..problems.units import has_dimension, parse
 from ..quantities import Quantity, walk
@@ -51,6 +52,7 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
     >>> [round(1e6 * h, 3) for h in profile.thickness], [round(1e6 * s, 3) for s in profile.spread]
     ([66.1, 66.3], [0.141, 0.141])
     """
+    check_type("path", path, str, PathLike)
     known = {
         place.path: place.quantity
         for place in walk(ThicknessProfile)

@@ -42,6 +42,8 @@ PRELOAD = 0.01  # default, as a share of the largest pressure
 SAME_PEAK = 0.98  # of the largest pressure: branches with such a peak rise to the largest one
 MOST_ROWS = 1_000_000
 MEANS, ROWS_PER_MEAN = 60, 4  # of a list of means
+# Of a stack [m^2], [m], from a few sheets under a probe to a bale; others are errors of units.
+AREAS, HEIGHTS = (1e-6, 10.0), (1e-4, 10.0)
 
 
 class Branch(NamedTuple):
@@ -106,7 +108,8 @@ def read_compression_test(
     Raises
     ------
     InvalidProblem
-        If the table has not the columns, or area or height are missing for them.
+        If the table has not the columns, area or height are missing for them or out of range, or a
+        strain is not < 1.
 
     Examples
     --------
@@ -158,6 +161,7 @@ def read_compression_test(
     if is_used.sum() < 4:
         text = f"has {is_used.sum()} rows of the branch above the preload of {least:.4g} [Pa]"
         raise InvalidProblem.at(table.where, f"{text}; must have at least 4")
+    _check_strains(eps[is_used], rows[is_used], values, table.where)
     return CompressionTest(table.where, P, eps, is_used, tuple(account))
 
 
@@ -182,7 +186,7 @@ def _pressure(
         raise _missing("pressure", "force", table)
     if area is None:
         raise InvalidProblem.at("area", "missing; the load needs the area of the stack, '100 cm^2'")
-    return (values["force"] - _in_si(offset, "N", "offset")) / _in_si(area, "m^2", "area", above=0)
+    return (values["force"] - _in_si(offset, "N", "offset")) / _in_si(area, "m^2", "area", AREAS)
 
 
 def _strain(values: Mapping[str, Array], height: float | str | None, table: Sheet) -> Array:
@@ -197,7 +201,7 @@ def _strain(values: Mapping[str, Array], height: float | str | None, table: Shee
     if height is None:
         text = "missing; the deflection needs the height of the stack without load, '20 mm'"
         raise InvalidProblem.at("height", text)
-    return values["deflection"] / _in_si(height, "m", "height", above=0)
+    return values["deflection"] / _in_si(height, "m", "height", HEIGHTS)
 
 
 def _missing(name: str, other: str, table: Sheet) -> InvalidProblem:
@@ -208,14 +212,45 @@ def _missing(name: str, other: str, table: Sheet) -> InvalidProblem:
     return InvalidProblem.at(table.where, f"{text}{example}. {table.origin}".rstrip(". "))
 
 
-def _in_si(value: float | str, unit: str, name: str, above: float | None = None) -> float:
-    """Return a value in SI; reject one that is not finite, or not above a limit."""
+def _in_si(
+    value: float | str, unit: str, name: str, limits: tuple[float, float] | None = None
+) -> float:
+    """Return a value in SI; reject one that is not finite, or not within limits."""
     number = parse(value, unit, name)
-    if not np.isfinite(number) or (above is not None and number <= above):
-        limit = "" if above is None else f" > {above:g} [{unit}],"
-        text = f"{quote(value)} is out of range; must be{limit} finite"
-        raise InvalidProblem.at(name, text)
+    low, high = limits or (-np.inf, np.inf)
+    if not np.isfinite(number) or not low <= number <= high:
+        permitted = f">= {low:g} and <= {high:g} [{unit}]" if limits else "finite"
+        raise InvalidProblem.at(name, f"{quote(value)} is out of range; must be {permitted}")
     return number
+
+
+def _check_strains(eps: Array, rows: Array, values: Mapping[str, Array], where: str) -> None:
+    """Reject strains of a stack that has no thickness left.
+
+    Parameters
+    ----------
+    eps, rows : (n,) arrays
+        Strains that are used, and their rows.
+    values : mapping of str to array
+        Columns of the file.
+    where : str
+    """
+    worst = int(np.argmax(eps))
+    fault, limit = f"strain {quote(eps[worst])}", "< 1"
+    if eps[worst] < 1 and np.ptp(eps) < 1:
+        return
+    if eps[worst] < 1:  # they begin far below 0
+        fault, limit = (
+            f"strains from {quote(eps.min())} to {quote(eps.max())}",
+            "within a range < 1",
+        )
+    if "strain" in values:
+        reason = "strains in percent need their unit, '%'; or the columns are swapped"
+    else:
+        reason = "check the units of deflection and height, whether columns are swapped, and "
+        reason += "whether the deflection begins near 0"
+    text = f"row {rows[worst]}: {fault} is out of range; must be {limit}, at which the stack has "
+    raise InvalidProblem.at(where, f"{text}no thickness left; {reason}")
 
 
 def branches_of(P: Array) -> list[Branch]:

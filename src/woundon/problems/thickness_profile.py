@@ -14,6 +14,7 @@ from ..quantities import Quantity, length, pure, share
 from .description import Description
 from .fields import Number, Numbers, check_equal_lengths, check_rising, default
 from .messages import quote
+from .units import parse
 
 if TYPE_CHECKING:
     from .fields import CoercedField
@@ -24,6 +25,8 @@ Array = np.ndarray
 
 # Relative to the mean.  Webs vary by a few per cent; other values are errors of the table.
 THINNEST, THICKEST = 0.5, 1.5
+MOST_LANES = 10_000  # as many as a profile has positions at most
+MOST_MOVED = 10.0  # amplitude of an oscillation [m]
 NARROW_LANES = 2000  # on which the extremes of an oscillating profile are found
 MOST_SLACK = 0.1  # of the length: more would not run straight
 MOST_DIFFERENT = 0.02  # of the width of a problem: a scanner does not measure the last millimetres
@@ -39,7 +42,7 @@ else:
 Oscillation = Annotated[
     Number,
     length("a_o", "amplitude of the oscillation of the web across the roll", typical=(0.0, 0.1)),
-    Field(ge=0, le=10),
+    Field(ge=0, le=MOST_MOVED),
 ]
 
 
@@ -175,7 +178,7 @@ class ThicknessProfile(Description):
         """Mean thickness over the width, in the unit of ``thickness``."""
         return float(np.trapezoid(self.thickness, self.position)) / self.width
 
-    def lanes(self, count: int, oscillation: float = 0.0) -> Lanes:
+    def lanes(self, count: int, oscillation: float | str = 0.0) -> Lanes:
         """Return the mean thickness and slack of equally wide lanes.
 
         An oscillating web moves across the roll to and fro at a constant speed, so that a place of
@@ -185,10 +188,20 @@ class ThicknessProfile(Description):
         Parameters
         ----------
         count : int
-            L, number of lanes.
-        oscillation : float
-            Amplitude [m]: the web moves by as much to either side.
+            L, number of lanes, 1 to 10000.
+        oscillation : float or str
+            Amplitude [m], 0 to 10: the web moves by as much to either side.
+
+        Raises
+        ------
+        InvalidProblem
+            For a number of lanes or an amplitude out of range.
         """
+        is_count = isinstance(count, (int, np.integer)) and not isinstance(count, bool)
+        if not is_count or not 1 <= count <= MOST_LANES:
+            text = f"{quote(count)} is out of range; must be a whole number, 1 to {MOST_LANES}"
+            raise InvalidProblem.at("count", text)
+        oscillation = _amplitude(oscillation)
         ends = np.linspace(self.position[0], self.position[-1], count + 1)
         thickness = _means(self.position, self.thickness, ends, oscillation)
         slack = np.zeros(count)
@@ -198,12 +211,13 @@ class ThicknessProfile(Description):
         middle, shares = (ends[1:] + ends[:-1]) / 2, np.full(count, 1 / count)
         return Lanes(middle, shares, excess - np.mean(excess), slack)
 
-    def extremes(self, oscillation: float = 0.0) -> Lanes:
+    def extremes(self, oscillation: float | str = 0.0) -> Lanes:
         """Return lanes without a share of the width at the extreme places of the profile.
 
         They are the thickest and the thinnest place, and those of the largest and the smallest
         slack.  ``oscillation`` is the amplitude [m].
         """
+        oscillation = _amplitude(oscillation)
         places = np.asarray(self.position)
         if oscillation:  # the mean over all shifts, on narrow lanes
             fine = self.lanes(NARROW_LANES, oscillation)
@@ -213,6 +227,16 @@ class ThicknessProfile(Description):
             b = np.zeros(places.size) if self.slack is None else np.asarray(self.slack)
         chosen = [np.argmax(d), np.argmin(d), np.argmax(b), np.argmin(b)][: 2 if not b.any() else 4]
         return Lanes(places[chosen], np.zeros(len(chosen)), d[chosen], b[chosen])
+
+
+def _amplitude(oscillation: float | str) -> float:
+    """Return the amplitude of an oscillation in SI; reject one out of range, and nan."""
+    value = oscillation.item() if isinstance(oscillation, np.generic) else oscillation
+    amplitude = parse(value, "m", "oscillation")
+    if not 0 <= amplitude <= MOST_MOVED:
+        text = f"{quote(oscillation)} is out of range; must be >= 0 and <= {MOST_MOVED:g} [m]"
+        raise InvalidProblem.at("oscillation", text)
+    return amplitude
 
 
 def _means(position: Iterable[float], values: Iterable[float], ends: Array, moved: float) -> Array:

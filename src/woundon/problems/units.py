@@ -164,6 +164,7 @@ MILL = {
     "mm": "in",
     "m": "ft",
     "N/m": "pli",
+    "N": "lbf",
     "Pa": "psi",
     "kPa": "psi",
     "MPa": "ksi",

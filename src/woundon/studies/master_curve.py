@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..arguments import check_arguments
+from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem
 from ..io.cells import Fault, numbers, raise_faults
+from ..io.files import check_writable
 from ..io.sheets import Sheet, read_sheet
 from ..io.spreadsheets import write_csv
 from ..io.tables import Column, Names, match_columns
@@ -24,7 +26,6 @@ from ..problems.superposition import (
     superpose,
     wlf_shifts,
 )
-from ..problems.units import parse
 from ..quantities import Quantity, pure, stress
 from .outcome import Outcome
 
@@ -47,6 +48,9 @@ COLUMNS = {
 # within a few tenths of a kelvin, and isotherms are at least 3 K apart [K].
 SAME_TEMPERATURE = 1.0
 LEAST_ROWS = 3  # of an isotherm
+# Zeros of the scales differ, so that a temperature, unlike a difference, is not converted.
+SCALES = {"degC": "degC", "\N{DEGREE SIGN}C": "degC", "K": "K"}
+_TEMPERATURE = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*")
 UNCERTAIN = 0.1  # decades, standard error of a shift that is remarked on
 POOR = 0.05  # misfit that is remarked on, as of a dynamic test
 
@@ -183,7 +187,18 @@ class MasterCurve(Outcome):
         ----------
         path : path
             ``.csv`` file.
+
+        Raises
+        ------
+        InvalidProblem
+            For another ending, and a folder that does not exist or cannot be written.
         """
+        check_type("path", path, str, os.PathLike)
+        ending = Path(path).suffix
+        if ending != ".csv":
+            text = f"the ending {ending!r} is not a known format; must be .csv"
+            raise InvalidProblem.at(str(path), text)
+        check_writable(Path(path))
         units = {"frequency": "Hz", "storage_modulus": "Pa", "loss_modulus": "Pa"}
         frame = self.to_dataframe()[list(units)]
         write_csv(Path(path), frame.rename(columns=lambda name: f"{name} [{units[name]}]"))
@@ -219,7 +234,7 @@ def master_curve(
     isotherms : path, table, or mapping of temperature to path or table
         A table with the columns temperature, frequency, storage_modulus, and loss_modulus or
         tan_delta; or such a table without temperature for each temperature (20.0 or "20 degC").
-        Rows of one table within 1 K are one isotherm.
+        All temperatures are in degC, or all in K.  Rows of one table within 1 K are one isotherm.
     reference_temperature : float or str
         Temperature of the cover in the nip, within the range of the isotherms and in their scale.
     shifts : "free" or "wlf"
@@ -234,8 +249,8 @@ def master_curve(
     Raises
     ------
     InvalidProblem
-        For tables that cannot be read, fewer than two isotherms, isotherms that do not overlap, or
-        a reference outside their range.
+        For tables that cannot be read, temperatures in degF or of two scales, fewer than two
+        isotherms, isotherms that do not overlap, or a reference outside their range.
 
     References
     ----------
@@ -257,8 +272,8 @@ def master_curve(
     check_arguments(columns=columns)
     if shifts not in ("free", "wlf"):
         raise InvalidProblem.at("shifts", not_one_of(shifts, ("free", "wlf")))
-    reference = parse(reference_temperature, "K", "reference_temperature")
-    known = _isotherms(isotherms, columns or {})
+    reference, scale = _temperature(reference_temperature, "reference_temperature")
+    known = _isotherms(isotherms, columns or {}, scale)
     least = 3 if shifts == "wlf" else 2
     if len(known) < least:
         text = f"{len(known)} given; must be at least {least} with shifts = {quote(shifts)}"
@@ -309,46 +324,105 @@ def _errors(covariance: Array, temperatures: Array, reference: float) -> Array:
 
 
 class _Rows(NamedTuple):
-    """The columns of a table in SI, (n,) each; temperature None where the table has none."""
+    """The columns of a table in SI, (n,) each; temperature None where the table has none.
+
+    Temperatures are in one of ``scales``.
+    """
 
     temperature: Array | None
     frequency: Array
     storage: Array
     loss: Array
     where: str
+    scales: set[str]
 
 
-def _isotherms(tables: Any, columns: Mapping[str, str | None]) -> list[Isotherm]:
-    """Return the isotherms of one table, or of a table for each temperature, the coldest first."""
-    by_temperature = _tables_by_temperature(tables)
-    if by_temperature is None:
+def _isotherms(tables: Any, columns: Mapping[str, str | None], scale: str) -> list[Isotherm]:
+    """Return the isotherms of one table, or of a table for each temperature, the coldest first.
+
+    ``scale`` is that of the reference temperature, empty if it is a plain number.
+    """
+    found: list[Isotherm] = []
+    if _is_by_temperature(tables):
+        scales = {scale}
+        for key, table in tables.items():
+            T, own = _temperature(key, "isotherms")
+            scales.add(own)
+            rows = _read(read_sheet(table, f"isotherms[{T:g}]"), columns)
+            if T in [each.temperature for each in found]:
+                text = f"{T:g} is given twice; must be different temperatures"
+                raise InvalidProblem.at("isotherms", text)
+            found.append(_isotherm(T, rows, np.arange(rows.frequency.size)))
+        _check_scales(scales, "isotherms")
+    else:
         rows = _read(read_sheet(tables, "isotherms"), columns)
         if rows.temperature is None:
             raise InvalidProblem.at(rows.where, "has no column temperature; must have one [degC]")
+        _check_scales({scale, *rows.scales}, rows.where)
         # a new isotherm begins where sorted temperatures differ by more than the control's scatter
         order = np.argsort(rows.temperature, kind="stable")
         steps = np.diff(rows.temperature[order]) > SAME_TEMPERATURE
         groups = np.split(order, np.flatnonzero(steps) + 1)
         found = [_isotherm(float(rows.temperature[k].mean()), rows, k) for k in groups]
-    else:
-        found = []
-        for T, table in by_temperature.items():
-            rows = _read(read_sheet(table, f"isotherms[{T:g}]"), columns)
-            found.append(_isotherm(T, rows, np.arange(rows.frequency.size)))
     return sorted(found, key=lambda each: each.temperature)
 
 
-def _tables_by_temperature(tables: Any) -> dict[float, Any] | None:
-    """Return the tables by temperature; None if it is one table, whose keys are headers."""
+def _is_by_temperature(tables: Any) -> bool:
+    """Return True for a mapping of temperatures to tables, False for one table.
+
+    The keys of a table with columns in memory are headers, which do not begin with a number, and
+    its values are no tables or paths.
+    """
     if not isinstance(tables, Mapping):
-        return None
-    by_temperature = {}
-    for key, table in tables.items():
-        try:
-            by_temperature[parse(key, "K", "isotherms")] = table
-        except InvalidProblem:  # a header
-            return None
-    return by_temperature
+        return False
+    return any(
+        not isinstance(key, str)
+        or _TEMPERATURE.fullmatch(key) is not None
+        or isinstance(value, (Mapping, str, os.PathLike))
+        or hasattr(value, "columns")  # pandas.DataFrame
+        for key, value in tables.items()
+    )
+
+
+def _temperature(value: Any, field: str) -> tuple[float, str]:
+    """Return a temperature with its scale, "degC", "K", or "" of a plain number.
+
+    Raises
+    ------
+    InvalidProblem
+        If it is not a number, or in another scale.
+    """
+    number, unit = value, ""
+    if isinstance(value, str) and (match := _TEMPERATURE.fullmatch(value)):
+        number, unit = float(match[1]), match[2]
+        if unit not in SCALES:
+            reason = f"is in {unit}" if unit else "has no unit"
+            raise InvalidProblem.at(field, f"{quote(value)} {reason}; {_MUST}")
+    is_number = isinstance(number, (int, float, np.integer, np.floating))
+    if isinstance(number, bool) or not is_number or not np.isfinite(float(number)):
+        raise InvalidProblem.at(field, f"{quote(value)} is not a temperature; {_MUST}")
+    return float(number), SCALES.get(unit, "")
+
+
+_MUST = "must be in degC or K, e.g. 40.0 or '40 degC'"
+
+
+def _check_scales(scales: Iterable[str], where: str) -> None:
+    """Reject temperatures of several scales; "" is that of plain numbers."""
+    named = sorted({*scales} - {""})
+    if len(named) > 1:
+        text = f"temperatures are in {' and '.join(named)}; must be in one scale, with the "
+        raise InvalidProblem.at(where, f"{text}reference_temperature")
+
+
+def _scales_of(column: Column, where: str) -> set[str]:
+    """Return the scales of the cells of a column of temperatures."""
+    field = f"{where}: column {column.header!r}"
+    scales = {_temperature(f"0 {column.unit}", field)[1]} if column.unit else set()
+    for cell in column.cells:
+        if isinstance(cell, str) and cell.strip()[-1:].isalpha():  # with its own unit
+            scales.add(_temperature(cell.replace(",", "."), field)[1])
+    return scales
 
 
 def _read(sheet: Sheet, columns: Mapping[str, str | None]) -> _Rows:
@@ -356,6 +430,10 @@ def _read(sheet: Sheet, columns: Mapping[str, str | None]) -> _Rows:
     names = Names(COLUMNS)
     matched = match_columns(sheet, names, columns)
     faults: list[Fault] = []
+    scales: set[str] = set()
+    for column in matched:
+        if column.name == "temperature":
+            scales |= _scales_of(column, sheet.where)
 
     def has_no_gaps(column: Column) -> bool:
         return False
@@ -374,7 +452,7 @@ def _read(sheet: Sheet, columns: Mapping[str, str | None]) -> _Rows:
             raise InvalidProblem.at(sheet.where, f"row {row}: {name} must be > 0")
     storage = values["storage_modulus"]
     loss = values.get("loss_modulus", values.get("tan_delta", storage) * storage)
-    return _Rows(values.get("temperature"), values["frequency"], storage, loss, sheet.where)
+    return _Rows(values.get("temperature"), values["frequency"], storage, loss, sheet.where, scales)
 
 
 def _isotherm(temperature: float, rows: _Rows, index: Array) -> Isotherm:

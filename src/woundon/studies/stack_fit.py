@@ -114,9 +114,9 @@ def fit_stack(
         CSV, Excel, ``.lvm`` or ``.tdms`` file, or columns by name, with their units: pressure (or
         stress) and strain, or load and deflection of the machine.  Other columns are ignored.
     area : float or str, optional
-        Loaded area of the stack [m^2], for a load.
+        Loaded area of the stack [m^2], 1e-6 to 10, for a load.
     height : float or str, optional
-        Height of the stack without load [m], for a deflection.
+        Height of the stack without load [m], 1e-4 to 10, for a deflection.
     offset : float or str
         Load [N], or pressure [Pa], that the load cell shows without a stack.
     preload : float or str, optional
@@ -140,7 +140,8 @@ def fit_stack(
     Raises
     ------
     InvalidProblem
-        For a table without the columns, area or height, or a branch that does not exist.
+        For a table without the columns, area or height, a strain that is not < 1, or a branch that
+        does not exist.
 
     Examples
     --------
