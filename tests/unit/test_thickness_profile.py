@@ -168,6 +168,22 @@ def test_several_scans_in_a_spreadsheet(tmp_path):
     assert "standard deviation between the scans" in text
 
 
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("0,66\n500,66.4\n1000,66\n0,66.2\n500,66.2", "1000 mm is in 1 .*, 0 mm is in 2"),
+        ("0,66\n500,66\n1000,66\n500,66\n1000,66", "0 mm is in 1 .*, 500 mm is in 2"),
+        ("0,66\n500,66\n500,66\n1000,66", "0 mm is in 1 .*, 500 mm is in 2"),
+        ("0,66\n500,66\n0,66\n500.1,66", "500 mm is in 1 .*, 0 mm is in 2"),
+    ],
+)
+def test_scans_with_different_positions_are_rejected(tmp_path, rows, message):
+    """A mean of fewer scans at the edge would be a step of the web that no scan has."""
+    (tmp_path / "scans.csv").write_text(f"position [mm],thickness [um]\n{rows}\n")
+    with pytest.raises(wo.InvalidProblem, match=rf"scans\.csv: position: {message}"):
+        wo.read_thickness_profile(tmp_path / "scans.csv")
+
+
 def test_a_table_without_thickness_is_rejected(tmp_path):
     (tmp_path / "scan.csv").write_text("position [mm]\n0\n10\n")
     with pytest.raises(wo.InvalidProblem, match="thickness: missing"):
