@@ -199,6 +199,8 @@ def test_a_log_of_two_rolls_is_rejected_by_its_row():
         ({"radius": [0.1, 0.2, 0.3, 0.4], "diameter": [0.2] * 4, "web_tension": [1.0] * 4},
          "has radius and diameter; must have one"),
         ({"radius": [0.1, 0.2, 0.3, 0.4], "x": [1.0] * 4}, "its columns are 'radius', 'x'"),
+        ({"radius": [0.1, 0.2, 0.3, 0.4], "x": [1.0] * 4},
+         "no column of web_tension, nip_load, web_speed, winding_force, torque_split, "),
         ({"radius": [0.1] * 9, "web_tension": [1.0] * 9}, "at different radii"),
     ],
 )  # fmt: skip

@@ -38,6 +38,8 @@ MOVING: dict[str, Quantity] = {
     "web_tension": tension_quantity("T_in", "web tension"),
     "web_speed": velocity("V", "speed of the web"),
 }
+# quantities that logs have, named first in the error of a log without any
+USUAL = ("web_tension", "nip_load", "web_speed", "winding_force", "torque_split")
 STOPPED = 0.05  # share of the median below which the web stands still
 MOST_BINS, USUAL_BINS, ROWS_PER_BIN = 1000, 50, 20
 BATCHES = 10  # of the rows of a bin
@@ -172,7 +174,9 @@ def read_binned(
         needed = f"needs a column of the radius or the diameter, and {text}"
         raise InvalidProblem.at(table.where, f"{needed}; its columns are {_listed(table.columns)}")
     if not used:
-        text = f"has no column of {one_of(list(fields)[:8])}; its columns are "
+        usual = [name for name in USUAL if name in fields]
+        names_of_fields = list(dict.fromkeys([*usual, *fields]))[:8]
+        text = f"has no column of {one_of(names_of_fields)}; its columns are "
         raise InvalidProblem.at(table.where, text + _listed(table.columns))
     faults: list[Fault] = []
     values = numbers(table, matched, names, faults, gaps=lambda column: True, conversion=conversion)
