@@ -12,10 +12,8 @@ from ..arguments import check_type
 from ..errors import InvalidProblem
 from ..io.logs import POSITIONS, BinnedLog, read_binned
 from ..problems.problem import Problem
-from ..problems.roll import RollProblem
 from ..problems.schedules import Profile, schedule_fields
-from ..problems.winding import WindingProblem
-from ..quantities import Quantity
+from ..quantities import Quantity, walk
 from .columns import columns_of, conversion_of
 from .measurements import measured_columns
 from .outcome import Outcome
@@ -104,8 +102,10 @@ def read_log(
 
 def _limits(problem: Problem) -> tuple[float, float] | None:
     """Return the radii of the core and of the finished roll [m]; None for a problem without."""
-    if isinstance(problem, (RollProblem, WindingProblem)):
-        return problem.core.radius, problem.radius
+    values = {place.path: place.value for place in walk(problem)}
+    core, surface = values.get("core.radius"), values.get("radius")
+    if isinstance(core, float) and isinstance(surface, float):
+        return core, surface
     return None
 
 
