@@ -124,6 +124,69 @@ def test_stops_and_rows_without_a_radius_are_left_out_with_a_count():
     np.testing.assert_allclose(log.bins.mean[0], tension(log.bins.radius), rtol=1e-3)
 
 
+OUTSIDE, SPIKE = "radius outside of core and roll", "radius jumps to and fro"
+
+
+@pytest.mark.parametrize(
+    ("n", "wrong", "left_out"),
+    [
+        (20_000, {7000: 32.8}, {OUTSIDE: 1}),  # 65535 mm, the largest number of a sensor
+        (20_000, {7000: 0.5, 7001: 0.5, 7002: 0.5}, {SPIKE: 3}),
+        (20_000, {12_000: 0.03}, {SPIKE: 1}),
+        (20_000, {0: 0.55, 19_999: 0.06}, {SPIKE: 2}),
+        (2001, {300: 49.95}, {OUTSIDE: 1}),
+        (2001, {1900: 0.1}, {SPIKE: 1}),
+        (50, {20: 0.55}, {SPIKE: 1}),
+        (30, {12: 0.6}, {SPIKE: 1}),
+    ],
+)
+def test_rows_with_a_wrong_radius_are_left_out_with_a_count(n, wrong, left_out):
+    """The other rows have the bins and means of the log without the wrong rows."""
+    radius = growing(n)
+    values = tension(radius)
+    rows = list(wrong)
+    radius[rows] = list(wrong.values())
+    log = wo.read_log({"radius": radius, "web_tension": values}, WINDING)
+    without = {"radius": np.delete(radius, rows), "web_tension": np.delete(values, rows)}
+    assert log.bins.left_out == left_out
+    assert np.flatnonzero(~log.bins.is_used).tolist() == rows
+    np.testing.assert_array_equal(log.bins.mean, wo.read_log(without, WINDING).bins.mean)
+
+
+def test_a_spike_is_left_out_without_a_roll():
+    """The radius of a nip has no limits."""
+    nip, radius = wo.NipProblem.example(), growing(2001)
+    radius[300] = 49.95
+    log = wo.read_log({"radius": radius, "wound_on_tension": tension(radius)}, nip)
+    assert log.bins.left_out == {SPIKE: 1}
+
+
+@pytest.mark.parametrize("noise", [1e-4, 0.01, 0.03])
+@pytest.mark.parametrize("n", [20, 200, 20_000])
+def test_no_row_of_a_noisy_radius_is_a_spike(n, noise):
+    """Noise of 0.03 m is a twentieth of the build-up."""
+    radius = growing(n)
+    measured = np.abs(radius + np.random.default_rng(3).normal(0, noise, n))
+    nip = wo.NipProblem.example()
+    log = wo.read_log({"radius": measured, "wound_on_tension": tension(radius)}, nip)
+    assert log.bins.left_out == {}
+
+
+@pytest.mark.parametrize("n", [4, 8, 50, 300])
+@pytest.mark.parametrize("step", [1e-6, 0.01, 0.05])
+def test_no_row_of_a_coarse_radius_is_a_spike(n, step):
+    """A sensor with steps, also in a log that begins with thick layers."""
+    radius = np.maximum(step, step * np.round(growing(n) / step))
+    log = wo.read_log({"radius": radius, "web_tension": tension(radius)}, WINDING)
+    assert log.bins.left_out == {}
+
+
+def test_a_log_with_all_rows_left_out_states_why():
+    table = {"radius": np.linspace(50, 600, 99), "web_tension": [300.0] * 99}  # mm, not m
+    with pytest.raises(InvalidProblem, match=r"has 0 rows .*left out: 99 .radius outside of core"):
+        wo.read_log(table, WINDING)
+
+
 def test_a_log_of_two_rolls_is_rejected_by_its_row():
     radius = np.concatenate([growing(500), growing(500)])
     with pytest.raises(InvalidProblem, match="has 2 rolls: the radius falls back near row 501"):
@@ -137,6 +200,8 @@ def test_a_log_of_two_rolls_is_rejected_by_its_row():
         ({"radius": [0.1, 0.2, 0.3, 0.4], "diameter": [0.2] * 4, "web_tension": [1.0] * 4},
          "has radius and diameter; must have one"),
         ({"radius": [0.1, 0.2, 0.3, 0.4], "x": [1.0] * 4}, "its columns are 'radius', 'x'"),
+        ({"radius": [0.1, 0.2, 0.3, 0.4], "x": [1.0] * 4},
+         "no column of web_tension, nip_load, web_speed, winding_force, torque_split, "),
         ({"radius": [0.1] * 9, "web_tension": [1.0] * 9}, "at different radii"),
     ],
 )  # fmt: skip

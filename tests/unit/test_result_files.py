@@ -203,6 +203,28 @@ def test_csv_has_units_in_its_header(solved, tmp_path, name):
             np.testing.assert_array_equal(table[:, column], value)
 
 
+@pytest.mark.parametrize(
+    ("changes", "rows"),
+    [
+        (
+            {"thickness_profile": wo.ThicknessProfile(position=[0, 2], thickness=[6.6e-5, 6.7e-5])},
+            {"thickness_profile.position [m]": ["0.0", "2.0"],
+             "thickness_profile.thickness [m]": ["6.6e-05", "6.7e-05"]},
+        ),
+        (
+            {"wound_on_tension": wo.Profile(radius=[0.04, 0.1, 0.2], value=[400, 350, 300])},
+            {"wound_on_tension.radius [m]": ["0.04", "0.1", "0.2"],
+             "wound_on_tension.value [N/m]": ["400.0", "350.0", "300.0"]},
+        ),
+    ],
+)  # fmt: skip
+def test_csv_has_a_cell_for_each_item_of_a_profile(changes, rows, tmp_path):
+    wo.solve(wo.RollProblem.example().replace(**changes)).save(tmp_path / "roll.csv")
+    lines = (tmp_path / "roll.csv").read_text("utf-8").splitlines()
+    found = {name.removeprefix("# "): cells for name, *cells in csv.reader(lines)}
+    assert {name: found.get(name) for name in rows} == rows
+
+
 def test_json_is_strict_complete_and_tells_units(solved, tmp_path):
     result = solved("wrapped").replace(errors={"wound_on_tension": float("nan")})
     result.save(tmp_path / "a.json")

@@ -205,12 +205,29 @@ def test_several_scans_in_a_spreadsheet(tmp_path):
     assert "standard deviation between the scans" in text
 
 
+<<<<<<< HEAD
 def test_a_position_of_one_scan_has_the_spread_of_the_others(tmp_path):
     """Pooled: squares of 0.02 and 0.18 um^2 over 1 + 2 degrees of freedom."""
     rows = ["0,66", "0,66.2", "1,66", "1,66.3", "1,66.6", "2,66"]
     (tmp_path / "scans.csv").write_text("\n".join(["position [m],thickness [um]", *rows]))
     spread = 1e6 * np.array(wo.read_thickness_profile(tmp_path / "scans.csv").spread)
     assert_allclose(spread, [0.2 / np.sqrt(2), 0.3, np.sqrt((0.02 + 0.18) / 3)])
+=======
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("0,66\n500,66.4\n1000,66\n0,66.2\n500,66.2", "1000 mm is in 1 .*, 0 mm is in 2"),
+        ("0,66\n500,66\n1000,66\n500,66\n1000,66", "0 mm is in 1 .*, 500 mm is in 2"),
+        ("0,66\n500,66\n500,66\n1000,66", "0 mm is in 1 .*, 500 mm is in 2"),
+        ("0,66\n500,66\n0,66\n500.1,66", "500 mm is in 1 .*, 0 mm is in 2"),
+    ],
+)
+def test_scans_with_different_positions_are_rejected(tmp_path, rows, message):
+    """A mean of fewer scans at the edge would be a step of the web that no scan has."""
+    (tmp_path / "scans.csv").write_text(f"position [mm],thickness [um]\n{rows}\n")
+    with pytest.raises(wo.InvalidProblem, match=rf"scans\.csv: position: {message}"):
+        wo.read_thickness_profile(tmp_path / "scans.csv")
+>>>>>>> fix-b
 
 
 def test_a_table_without_thickness_is_rejected(tmp_path):

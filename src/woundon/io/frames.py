@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -48,8 +48,9 @@ def to_frame(result: Result) -> pd.DataFrame:
 def to_csv(result: Result) -> bytes:
     """Return scalars as comments, ``# name [unit],value``, followed by the arrays in columns.
 
-    Fields of the problem come first, then outputs and their error estimates.  Arrays of another
-    length than the first one are omitted; ``pandas.read_csv(path, comment="#")`` reads the columns.
+    A list of numbers, such as the positions of a profile, has a cell for each of them.  Fields of
+    the problem come first, then outputs and their error estimates.  Arrays of another length than
+    the first one are omitted; ``pandas.read_csv(path, comment="#")`` reads the columns.
     """
     known = {place.path: place.quantity for place in outputs(result)}
     scalars: list[tuple[str, Quantity | None, Any]] = [
@@ -72,12 +73,19 @@ def to_csv(result: Result) -> bytes:
     table.writerow([f"# woundon {__version__}", kinds.of(result).name])
     for scalar in scalars:
         header, value = _in_table(*scalar)
-        table.writerow([f"# {header}", as_csv_cell(value)])
+        table.writerow([f"# {header}", *map(as_csv_cell, _cells(value))])
     for note in result.warnings:
         table.writerow(["# warning", as_csv_cell(note)])
     table.writerow(columns)
     table.writerows(zip(*(array.tolist() for array in columns.values()), strict=True))
     return in_csv_style(text.getvalue()).encode("utf-8")
+
+
+def _cells(value: Any) -> Sequence[Any]:
+    """Return the items of a list of numbers, or another value as the only item."""
+    if isinstance(value, tuple) and value and all(isinstance(item, float) for item in value):
+        return value
+    return (value,)
 
 
 def _columns(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
@@ -88,8 +96,11 @@ def _columns(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
 
 
 def _in_table(name: str, quantity: Quantity | None, value: Any) -> tuple[str, Any]:
-    """Return the header of a column with its unit, and an SI value or array in this unit."""
+    """Return a header with its unit, and a number, an array or a tuple, SI, in this unit."""
     if quantity is None:
         return name, value
+    if isinstance(value, tuple):
+        unit, converted = quantity.in_table(np.array(value))
+        return f"{name} [{unit}]", tuple(converted.tolist())
     unit, converted = quantity.in_table(value)
     return f"{name} [{unit}]", converted

@@ -1,7 +1,8 @@
 """Average the log of a winder over bins of the radius, with its scatter.
 
 A log has a row for each instant: radius or diameter, web tension, nip load, speed.  Rows during a
-stop, and rows without a radius, are left out.  The others are sorted into bins of equal width of
+stop, and rows whose radius is missing, outside of the roll or an isolated spike, are left out.  The
+others are sorted into bins of equal width of
 the radius; of each bin the means are kept, with
 
     scatter          standard deviation of the rows about a straight line in the radius
@@ -38,11 +39,20 @@ MOVING: dict[str, Quantity] = {
     "web_tension": tension_quantity("T_in", "web tension"),
     "web_speed": velocity("V", "speed of the web"),
 }
+# quantities that logs have, named first in the error of a log without any
+USUAL = ("web_tension", "nip_load", "web_speed", "winding_force", "torque_split")
 STOPPED = 0.05  # share of the median below which the web stands still
 MOST_BINS, USUAL_BINS, ROWS_PER_BIN = 1000, 50, 20
 BATCHES = 10  # of the rows of a bin
 NEXT_ROLL = 0.3  # fall of the radius, as a share of its range, with which another roll begins
 EXTENSION = 0.02  # of a profile at both ends, as a share of the range of the radius
+OUTSIDE = 0.1  # of the build-up, that a radius with noise may lie outside of core and roll
+NEIGHBOURS = (
+    5  # rows on each side with whose medians a radius is compared: spikes of 3 rows at most
+)
+SPIKE = 1 / USUAL_BINS  # of the range of the radius: less shifts a row by one bin at most
+NOISE = 10.0  # median deviations, 6.7 standard deviations: normal noise does not have them
+END_ROWS = 50  # of a log whose first step, from any core, is less than NEXT_ROLL of the range
 BLOCKS = 1000  # of rows, whose median radii are compared to find another roll
 
 
@@ -111,8 +121,8 @@ class BinnedLog:
     def account(self) -> str:
         """Return what was done with the rows, in one sentence."""
         text = f"{self.raw_radius.size} rows in {self.radius.size} bins over the radius"
-        left_out = [f"{count} ({reason})" for reason, count in self.left_out.items()]
-        return f"{text}; left out: {', '.join(left_out)}" if left_out else f"{text}; none left out"
+        left_out = _counted(self.left_out)
+        return f"{text}; left out: {left_out}" if left_out else f"{text}; none left out"
 
 
 def read_binned(
@@ -123,6 +133,7 @@ def read_binned(
     bins: int | None = None,
     sheet: str = "",
     conversion: Conversion = Conversion(),  # noqa: B008
+    limits: tuple[float, float] | None = None,
 ) -> BinnedLog:
     """Read a log and average it over the radius.
 
@@ -140,6 +151,8 @@ def read_binned(
         Name of a sheet.
     conversion : Conversion
         Width and thickness with which totals and stresses are converted.
+    limits : (float, float), optional
+        Radii of core and finished roll [m], outside of which a radius is an error of the sensor.
 
     Raises
     ------
@@ -161,7 +174,9 @@ def read_binned(
         needed = f"needs a column of the radius or the diameter, and {text}"
         raise InvalidProblem.at(table.where, f"{needed}; its columns are {_listed(table.columns)}")
     if not used:
-        text = f"has no column of {one_of(list(fields)[:8])}; its columns are "
+        usual = [name for name in USUAL if name in fields]
+        names_of_fields = list(dict.fromkeys([*usual, *fields]))[:8]
+        text = f"has no column of {one_of(names_of_fields)}; its columns are "
         raise InvalidProblem.at(table.where, text + _listed(table.columns))
     faults: list[Fault] = []
     values = numbers(table, matched, names, faults, gaps=lambda column: True, conversion=conversion)
@@ -170,7 +185,7 @@ def read_binned(
     radius = POSITIONS[places[0]] * by_name[places[0]]
     moving = [by_name[name] for name in MOVING if name in by_name]
     raw = np.array([by_name[name] for name in used])
-    return binned(radius, raw, used, moving, bins, table.where, table.remarks)
+    return binned(radius, raw, used, moving, bins, table.where, table.remarks, limits)
 
 
 def _listed(columns: Mapping[str, Any]) -> str:
@@ -186,6 +201,7 @@ def binned(
     bins: int | None,
     where: str = "log",
     remarks: tuple[str, ...] = (),
+    limits: tuple[float, float] | None = None,
 ) -> BinnedLog:
     """Average the rows of a log over bins of the radius.
 
@@ -199,7 +215,7 @@ def binned(
         Of the q quantities.
     moving : sequence of (n,) arrays
         Quantities that are zero during a stop.
-    bins : int, optional
+    bins, limits : optional
         As of :func:`read_binned`.
     where, remarks
         As of :class:`BinnedLog`.
@@ -233,10 +249,19 @@ def binned(
             with np.errstate(invalid="ignore"):
                 stands = values <= STOPPED * np.median(known)
             leave_out("the web stands still", stands)
+    if limits is not None:
+        core, surface = limits
+        tolerance = OUTSIDE * (surface - core)
+        outside = (radius < core - tolerance) | (radius > surface + tolerance)
+        leave_out("radius outside of core and roll", outside)
+    spikes = np.zeros(radius.size, dtype=bool)
+    spikes[is_used] = _spikes(radius[is_used])
+    leave_out("radius jumps to and fro", spikes)
     r, values = radius[is_used], raw[:, is_used]
     if r.size < 4 or r.max() <= r.min():
         text = f"has {r.size} rows with a radius and a value; must have at least 4"
-        raise InvalidProblem.at(where, f"{text}, at different radii")
+        reasons = f"; left out: {_counted(left_out)}" if left_out else ""
+        raise InvalidProblem.at(where, f"{text}, at different radii{reasons}")
     _check_one_roll(r, np.flatnonzero(is_used), where)
     count = bins or int(np.clip(r.size // ROWS_PER_BIN, 2, USUAL_BINS))
     of_rows = np.minimum((count * (r - r.min()) / (r.max() - r.min())).astype(int), count - 1)
@@ -260,6 +285,47 @@ def binned(
         left_out=left_out,
         remarks=remarks,
     )
+
+
+def _counted(left_out: Mapping[str, int]) -> str:
+    """Return the numbers of rows that were left out, with the reasons."""
+    return ", ".join(f"{count} ({reason})" for reason, count in left_out.items())
+
+
+def _spikes(r: Array) -> Array:
+    """Return whether a radius lies beyond the rows before it and those after it, (n,) bool array.
+
+    The radius of a row lies between the median of the rows before and that of the rows after it,
+    except for noise.
+
+    Parameters
+    ----------
+    r : (n,) array
+        Radii in the order of the log.
+
+    Examples
+    --------
+    >>> radius = np.linspace(0.1, 0.5, 99)
+    >>> radius[30] = 0.4
+    >>> np.flatnonzero(_spikes(radius)).tolist()
+    [30]
+    """
+    n = r.size
+    if n < 4:
+        return np.zeros(n, dtype=bool)
+    padded = np.pad(r, NEIGHBOURS, mode="edge")
+    medians = np.median(np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS), axis=1)
+    before, after = medians[:n], medians[NEIGHBOURS + 1 :]  # without the row itself
+    beyond = np.maximum(r - np.maximum(before, after), np.minimum(before, after) - r)
+    noise = np.median(np.abs(r - (before + after) / 2))
+    # without the ends, which may be wrong
+    span = np.ptp(medians[NEIGHBOURS : n + 1] if n >= END_ROWS else medians)
+    spikes = beyond > max(SPIKE * span, NOISE * noise)
+    spikes &= np.abs(after - before) <= NEXT_ROLL * span  # the first rows of another roll are none
+    if n >= END_ROWS:  # the first and the last row have neighbours on one side only
+        for end, other in ((0, after[0]), (-1, before[-1])):
+            spikes[end] = abs(r[end] - other) > NEXT_ROLL * span
+    return spikes
 
 
 def _check_one_roll(r: Array, rows: Array, where: str) -> None:

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from os import PathLike
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 
+<<<<<<< HEAD
 from ..arguments import check_type
+=======
+from ..errors import InvalidProblem
+>>>>>>> fix-b
 from ..problems.thickness_profile import ThicknessProfile
 from ..problems.units import has_dimension, parse
 from ..quantities import Quantity, walk
@@ -38,7 +43,8 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
     Raises
     ------
     InvalidProblem
-        For a file that is not such a table, with the row; for a profile that is not admissible.
+        For a file that is not such a table, with the row; for scans that do not all have the same
+        positions; for a profile that is not admissible.
 
     Examples
     --------
@@ -71,6 +77,8 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
         for name, cells in values.items()
         if name != "position"
     }
+    if counts.max() > counts.min():
+        _raise_missing(Path(path), known["position"], position, counts)
     if counts.max() > 1:
         squares = np.bincount(scan, (values["thickness"] - means["thickness"][scan]) ** 2)
         pooled = squares.sum() / (counts - 1).sum()
@@ -85,6 +93,29 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
         return profile
     relative = {name: ordered[name] / profile.mean for name in RELATIVE if name in ordered}
     return profile.replace(**{name: cells.tolist() for name, cells in relative.items()})
+
+
+def _raise_missing(
+    path: Path, quantity: Quantity, position: np.ndarray, counts: np.ndarray
+) -> NoReturn:
+    """Reject scans with different positions: their mean would have steps that no scan has.
+
+    Parameters
+    ----------
+    path : path
+    quantity : Quantity
+        Of the positions.
+    position : (n,) array
+        Different positions [m].
+    counts : (n,) int array
+        Number of rows of each; not all are equal.
+    """
+    least, most = (
+        f"{quantity.text(position[k], '.6g')} is in {counts[k]} of the rows"
+        for k in (int(counts.argmin()), int(counts.argmax()))
+    )
+    text = f"{least}, {most}; each scan must have the same positions"
+    raise InvalidProblem.at(f"{path}: position", text)
 
 
 def _numbers(cells: list[str], quantity: Quantity) -> np.ndarray:

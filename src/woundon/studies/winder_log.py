@@ -14,7 +14,7 @@ from ..errors import InvalidProblem
 from ..io.logs import POSITIONS, BinnedLog, read_binned
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, schedule_fields
-from ..quantities import Quantity
+from ..quantities import Quantity, walk
 from .columns import columns_of, conversion_of
 from .measurements import measured_columns
 from .outcome import Outcome
@@ -37,8 +37,10 @@ def read_log(
 ) -> WinderLog:
     """Read the log of a winder and average it over bins of the radius.
 
-    Rows without a radius, and those during a stop (web speed or web tension below 5 % of its
-    median), are left out; the result states how many.  Columns with unknown names are ignored.
+    Rows without a radius, those during a stop (web speed or web tension below 5 % of its median),
+    those whose radius is outside of the core and the roll of the problem by more than a tenth of
+    the build-up, and those with a spike of the radius are left out; the result states how many.
+    Columns with unknown names are ignored.
 
     Parameters
     ----------
@@ -93,9 +95,19 @@ def read_log(
         bins=bins,
         sheet=sheet,
         conversion=conversion_of(problem),
+        limits=_limits(problem),
     )
     quantities = {name: known[name] for name in result.names}
     return WinderLog(bins=result, quantities=quantities, base=problem)
+
+
+def _limits(problem: Problem) -> tuple[float, float] | None:
+    """Return the radii of the core and of the finished roll [m]; None for a problem without."""
+    values = {place.path: place.value for place in walk(problem)}
+    core, surface = values.get("core.radius"), values.get("radius")
+    if isinstance(core, float) and isinstance(surface, float):
+        return core, surface
+    return None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
