@@ -205,14 +205,6 @@ def test_several_scans_in_a_spreadsheet(tmp_path):
     assert "standard deviation between the scans" in text
 
 
-<<<<<<< HEAD
-def test_a_position_of_one_scan_has_the_spread_of_the_others(tmp_path):
-    """Pooled: squares of 0.02 and 0.18 um^2 over 1 + 2 degrees of freedom."""
-    rows = ["0,66", "0,66.2", "1,66", "1,66.3", "1,66.6", "2,66"]
-    (tmp_path / "scans.csv").write_text("\n".join(["position [m],thickness [um]", *rows]))
-    spread = 1e6 * np.array(wo.read_thickness_profile(tmp_path / "scans.csv").spread)
-    assert_allclose(spread, [0.2 / np.sqrt(2), 0.3, np.sqrt((0.02 + 0.18) / 3)])
-=======
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
@@ -227,7 +219,6 @@ def test_scans_with_different_positions_are_rejected(tmp_path, rows, message):
     (tmp_path / "scans.csv").write_text(f"position [mm],thickness [um]\n{rows}\n")
     with pytest.raises(wo.InvalidProblem, match=rf"scans\.csv: position: {message}"):
         wo.read_thickness_profile(tmp_path / "scans.csv")
->>>>>>> fix-b
 
 
 def test_a_table_without_thickness_is_rejected(tmp_path):

@@ -8,11 +8,8 @@ from typing import NoReturn
 
 import numpy as np
 
-<<<<<<< HEAD
 from ..arguments import check_type
-=======
 from ..errors import InvalidProblem
->>>>>>> fix-b
 from ..problems.thickness_profile import ThicknessProfile
 from ..problems.units import has_dimension, parse
 from ..quantities import Quantity, walk
@@ -32,8 +29,7 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
     is a basis weight, of which only the variation is used: the thickness and its spread are then
     relative to the mean over the width.  A column ``slack [%]`` is optional.
     Positions that occur in several rows, as in a list of several scans, have the mean thickness of
-    these rows; their sample standard deviation, with n - 1, is ``spread``.  A position that occurs
-    once has that of the others, pooled.
+    these rows; their sample standard deviation, with n - 1, is ``spread``.
 
     Parameters
     ----------
@@ -81,8 +77,7 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
         _raise_missing(Path(path), known["position"], position, counts)
     if counts.max() > 1:
         squares = np.bincount(scan, (values["thickness"] - means["thickness"][scan]) ** 2)
-        pooled = squares.sum() / (counts - 1).sum()
-        means["spread"] = np.sqrt(np.where(counts > 1, squares / np.maximum(counts - 1, 1), pooled))
+        means["spread"] = np.sqrt(squares / (counts - 1))
     # with one scan the order of the rows is kept, so that the profile rejects an unsorted one
     places = position if counts.max() > 1 else values["position"]
     ordered = means if counts.max() > 1 else {name: values[name] for name in means}
