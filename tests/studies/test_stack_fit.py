@@ -15,7 +15,7 @@ import pytest
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.errors import InputWarning, InvalidProblem
-from woundon.io.stack_tests import branches_of, read_compression_test, rising_means
+from woundon.io.compression import branches_of, read_compression_test, rising_means
 
 AREA, HEIGHT = 0.01, 0.02  # 100 cm^2, 20 mm
 PAPER = wo.Pfeiffer(K1=10e3, K2=40.0)

@@ -24,9 +24,9 @@ from ..problems.problem import Problem
 from ..problems.schedules import schedule_fields
 from ..quantities import Quantity, is_list, members_of
 from .cells import Conversion, Fault, raise_faults, texts
+from .compression import read_compression_test, rising_means
 from .logs import MOST_BINS, read_binned
 from .sheets import read_sheet
-from .stack_tests import read_compression_test, rising_means
 from .tables import Names, is_known_header, match_columns
 
 __all__ = ["read_columns", "with_columns"]

@@ -38,6 +38,7 @@ __all__ = [
 
 ProblemT = TypeVar("ProblemT", bound=Problem)
 _ERROR = "errors."  # of an output: "errors.half_width"
+ERROR_OUTPUT = "_error"  # end of the name of an output that is an error estimate
 
 
 class Answer(NamedTuple):
@@ -178,7 +179,9 @@ class KindModel:
 
         With given nodes a case that starts from another one is then solved on its last mesh alone.
         """
-        is_estimated = any(name.startswith(_ERROR) for name in self.outputs)
+        is_estimated = any(
+            name.startswith(_ERROR) or name.endswith(ERROR_OUTPUT) for name in self.outputs
+        )
         if is_estimated or {"errors", "rtol"} & self.options.keys() or "nodes" not in self.options:
             return self
         if "errors" not in options_of(self.problem):

@@ -28,7 +28,7 @@ import numpy as np
 
 from ..arguments import check_type, whole_number
 from ..errors import InvalidProblem
-from ..io.stack_tests import CompressionTest, read_compression_test, rising_means
+from ..io.compression import CompressionTest, read_compression_test, rising_means
 from ..problems.messages import not_one_of
 from ..problems.radial_laws import (
     Constant,
