@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 
 import woundon as wo
-from woundon.io.stack_tests import read_compression_test
+from woundon.io.compression import read_compression_test
 from woundon.studies.columns import columns_of, conversion_of, measurable_outputs
 from woundon.studies.measured import read_measured
 
