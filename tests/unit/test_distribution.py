@@ -65,7 +65,7 @@ def test_the_wheel_has_one_package_and_no_tests(built: tuple[Path, Path]) -> Non
     assert len(hard) <= HARD
     assert fields["Version"] == version("woundon")
     assert set(fields.get_all("Provides-Extra", [])) == {
-        "all", "app", "dask", "dev", "excel", "parquet",
+        "all", "app", "dask", "dev", "excel", "instruments", "parquet",
     }  # fmt: skip
 
 
