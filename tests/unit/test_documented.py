@@ -101,3 +101,25 @@ def test_the_names_that_pages_and_examples_import_exist() -> None:
                 for name in names.replace(" ", "").split(","):
                     found = importlib.import_module(module)
                     assert hasattr(found, name) or importlib.import_module(f"{module}.{name}"), path
+
+
+WIDEST_CODE_LINE = 100  # characters that a column of the documentation shows without scrolling
+
+
+def visible_code(text: str) -> list[str]:
+    """Return the code lines of a Markdown page that its readers see."""
+    lines: list[str] = []
+    for kind, block in re.findall(r"^```(\S*).*\n((?:(?!```).*\n)*)```", text, re.M):
+        directive = kind.startswith("{") and kind != "{code-cell}"
+        hidden = re.match(r":tags: \[(?:remove|hide)-input\]", block)
+        if not directive and not hidden:
+            lines += block.splitlines()
+    return lines
+
+
+@pytest.mark.parametrize("path", sorted(ROOT.glob("docs/**/*.md")), ids=lambda path: path.stem)
+def test_code_fits_into_the_column_of_a_page(path):
+    if "_build" in path.parts:
+        pytest.skip("built")
+    wide = [line for line in visible_code(path.read_text("utf-8")) if len(line) > WIDEST_CODE_LINE]
+    assert not wide
