@@ -17,6 +17,8 @@ from coupled_nips import Case, Nip
 from slow_cases import campaign_case, slow_case
 
 import woundon as wo
+from woundon.contact.newton import NewtonFailed
+from woundon.nip import roll_contact
 from woundon.nip.several_nips import SeveralNips
 
 NEWSPRINT = wo.NipProblem.example()  # P = 3502 N/m on a drum of 76.2 mm, T_in = 350 N/m
@@ -369,6 +371,29 @@ def test_rolling_resistance_of_all_drums(rear_is_covered: bool, tmp_path: Any) -
     assert found.errors["rolling_resistance"] > 0
     found.save(tmp_path / "nips.json")
     assert wo.load_result(tmp_path / "nips.json") == found
+
+
+def test_what_a_nip_adds_is_not_known_without_a_solution_of_the_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = wo.solve(two(), nodes=33)
+
+    def fails(*_: Any, **__: Any) -> Any:
+        raise NewtonFailed("no solution")
+
+    monkeypatch.setattr(roll_contact, "refine", fails)
+    assert np.isnan(found.contacts[1].added_tension)
+    assert "What nip 2 adds is not known" in str(found)
+
+
+def test_a_start_with_another_number_of_nips_is_not_used() -> None:
+    """The start is a guess only: the same result as without, to the tolerance of the solver."""
+    alone, both = wo.solve(NEWSPRINT, nodes=33), wo.solve(two(), nodes=33)
+    for problem, start, known in ((two(), alone, both), (NEWSPRINT, both, alone)):
+        found = wo.solve(problem, nodes=33, start=start)
+        assert found.wound_on_tension == pytest.approx(known.wound_on_tension, rel=1e-9)
+    warm = wo.solve(two(), nodes=33, start=both)
+    assert warm.wound_on_tension == pytest.approx(both.wound_on_tension, rel=1e-9)
 
 
 # ---- the Jacobian -------------------------------------------------------------------------------

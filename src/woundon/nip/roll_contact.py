@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..contact.newton import NewtonFailed
 from ..contact.refinement import refine
 from .several_nips import system_of
 
@@ -90,7 +91,7 @@ class RollContact:
         """The part of ``roll_wound_on_tension`` that this nip adds to that of the nips before it.
 
         The first nip adds its own to the web tension.  The same web is solved with the nips up to
-        the one before, on as many nodes [N/m].
+        the one before, on as many nodes [N/m]; nan if that has no solution.
         """
         tensions = self.result._tensions_of_first_nips
         return float(tensions[self.number + 1] - tensions[self.number])
@@ -157,7 +158,7 @@ def _angles_before(result: Any, arc: slice) -> tuple[float, float, float]:
 def tensions_of_first_nips(result: Any) -> list[float]:
     """Return the wound-on tension of no nip, of the first one, the first two ... of all [N/m].
 
-    That of no nip is the web tension.
+    That of no nip is the web tension; nan if the iteration finds no solution.
     """
     problem, tensions = result.without_air, [result.problem.web_tension]
     given = problem.next_nips
@@ -167,6 +168,10 @@ def tensions_of_first_nips(result: Any) -> list[float]:
         arc = max(last_arc, given[count].angle)
         wrap = sum(nip.angle for nip in kept) + arc
         fewer = problem.replace(next_nips=kept, roll_wrap=wrap)
-        solved = refine(partial(system_of, fewer), nodes=result.nodes).last
-        tensions.append(float(solved.outputs["roll_wound_on_tension"]))
+        try:
+            solved = refine(partial(system_of, fewer), nodes=result.nodes).last
+        except NewtonFailed:
+            tensions.append(nan)
+        else:
+            tensions.append(float(solved.outputs["roll_wound_on_tension"]))
     return [*tensions, result.roll_wound_on_tension]

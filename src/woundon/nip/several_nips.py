@@ -13,7 +13,6 @@ with its arc as the roll wrap, and these couplings:
 
     tension    T_k(first node) = T_in + sum_(j<k) int (q+ + q-) dx over nip j with its arc
     laid web   E for k < K;  nip K is a wrapped nip, at the end of which (eps - eps+) is its own
-
     roll       slope, curvature and strain on the face of nip k include those by the other nips
 
 An arc ends at the leading edge of the next nip, that of its contact without friction, whose half
@@ -387,12 +386,8 @@ class SeveralNips:
         assert self.coupling is not None
         at_points = evaluation_weights(self.nips[-1], assemblies[-1].fields)[1]
         for (i, j), far in self._far_tangents.items():
-            source, target, nip, columns = (
-                assemblies[j],
-                assemblies[i],
-                self.nips[i],
-                self.unknowns[j],
-            )
+            source, target = assemblies[j], assemblies[i]
+            nip, columns = self.nips[i], self.unknowns[j]
             slope, strain = (
                 self._scaled(j, source.a) * self._by_unknowns(self.nips[j].layout, by_p, by_q)
                 for by_p, by_q in ((far.slope_p, far.slope_q), (far.strain_p, far.strain_q))

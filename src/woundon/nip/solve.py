@@ -107,8 +107,9 @@ def solve_nip(
         Relative error of the wound-on tension in place of the default, 1e-5 to 0.1; up to 1025
         nodes.
     start : NipResult, optional
-        A solved neighbouring case, which replaces the initial guess on every mesh.  The result
-        does not depend on it beyond the tolerance of the solver.
+        A solved neighbouring case, which replaces the initial guess on every mesh; one with another
+        number of nips is not used.  The result does not depend on it beyond the tolerance of the
+        solver.
     errors : bool
         False omits the error estimates if there is a ``start``, and ``nodes`` is given: only the
         last mesh is solved, which takes less than half the time.
@@ -193,10 +194,14 @@ def solve_with_film(
 def _solve(problem: NipProblem, *, start: NipResult | None = None, **options: Any) -> NipResult:
     """Solve a nip without air; options as of :func:`solve_nip`."""
     check_load(problem, "nip_load")
+    _check_force(problem)
     if problem.next_nips:
         check_nips(problem)
-    _check_force(problem)
-    return _refined(problem, start=_longer_wrap(problem) or start, **options)
+    else:
+        start = _longer_wrap(problem) or start
+    if start is not None and len(start.problem.next_nips) != len(problem.next_nips):
+        start = None  # it has other unknowns
+    return _refined(problem, start=start, **options)
 
 
 def _refined(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import isnan
 
 import numpy as np
 
@@ -23,6 +24,9 @@ def contact_sentences(result: NipResult) -> Iterator[str]:
     for k, contact in enumerate(result.contacts[1:], 2):
         if contact.sticks_upstream:
             yield f"Nip {k} adds nothing: the layer sticks to the roll between the nips."
+            continue
+        if isnan(contact.added_tension):
+            yield f"What nip {k} adds is not known: the nips before it have no solution alone."
             continue
         added = ADDED.text(contact.added_tension, ".3g")
         yield f"Nip {k} adds {added}: the web slips on the whole arc before it."
