@@ -23,7 +23,7 @@ from ..arguments import whole_number
 from ..errors import InvalidProblem, one_of
 from ..quantities import Quantity, length, velocity
 from ..quantities import tension as tension_quantity
-from .cells import Conversion, Fault, numbers, raise_faults
+from .cells import Conversion, numbers_by_name
 from .sheets import find_table
 from .tables import OTHERS, Names, is_known_header, match_columns
 
@@ -170,25 +170,17 @@ def read_binned(
     if len(places) != 1:
         text = f"has {one_of(places, 'and')}; must have one" if places else "has none"
         needed = f"needs a column of the radius or the diameter, and {text}"
-        raise InvalidProblem.at(table.where, f"{needed}; its columns are {_listed(table.columns)}")
+        raise InvalidProblem.at(table.where, f"{needed}; its columns are {table.headers}")
     if not used:
         usual = [name for name in USUAL if name in fields]
         names_of_fields = list(dict.fromkeys([*usual, *fields]))[:8]
-        text = f"has no column of {one_of(names_of_fields)}; its columns are "
-        raise InvalidProblem.at(table.where, text + _listed(table.columns))
-    faults: list[Fault] = []
-    values = numbers(table, matched, names, faults, gaps=lambda column: True, conversion=conversion)
-    raise_faults(faults)
-    by_name = dict(zip(found, values, strict=True))
+        text = f"has no column of {one_of(names_of_fields)}; its columns are {table.headers}"
+        raise InvalidProblem.at(table.where, text)
+    by_name = numbers_by_name(table, matched, names, gaps=True, conversion=conversion)
     radius = POSITIONS[places[0]] * by_name[places[0]]
     moving = [by_name[name] for name in MOVING if name in by_name]
     raw = np.array([by_name[name] for name in used])
     return binned(radius, raw, used, moving, bins, table.where, table.remarks, limits)
-
-
-def _listed(columns: Mapping[str, Any]) -> str:
-    """Return the headers of a table as a text."""
-    return ", ".join(map(repr, list(columns)[:12]))
 
 
 def binned(

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem
-from ..io.cells import Fault, numbers, raise_faults
+from ..io.cells import numbers_by_name
 from ..io.files import check_writable
 from ..io.sheets import Sheet, read_sheet
 from ..io.spreadsheets import write_csv
@@ -428,14 +428,11 @@ def _read(sheet: Sheet, columns: Mapping[str, str | None]) -> _Rows:
     """Return the columns of a sheet; loss moduli from tan delta where the table has only these."""
     names = Names(COLUMNS)
     matched = match_columns(sheet, names, columns)
-    faults: list[Fault] = []
     scales: set[str] = set()
     for column in matched:
         if column.name == "temperature":
             scales |= _scales_of(column, sheet.where)
-    cells = numbers(sheet, matched, names, faults, gaps=lambda column: False)
-    raise_faults(faults)
-    values = {column.name: of_rows for column, of_rows in zip(matched, cells, strict=True)}
+    values = numbers_by_name(sheet, matched, names, gaps=False)
     missing = [name for name in ("frequency", "storage_modulus") if name not in values]
     if "loss_modulus" not in values and "tan_delta" not in values:
         missing.append("loss_modulus or tan_delta")
