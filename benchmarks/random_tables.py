@@ -132,8 +132,10 @@ def random_file(seed: int, folder: Path) -> TableFile:
     story = [contents, kind, LANGUAGES[language], fault or "no fault"]
     made = TableFile(folder / f"file_{seed}", contents, fault, expected, story)
     if is_channels:
-        write = _write_lvm if kind == "lvm" else _write_tdms
-        made.path = write(made.path, columns, headers, chosen, rng)
+        if kind == "lvm":
+            made.path = _write_lvm(made.path, columns, headers, chosen, rng)
+        else:
+            made.path = _write_tdms(made.path, columns, headers, chosen)
         return made
     sign = "," if kind in ("csv ;", "csv tab") and rng.random() < 0.6 else "."
     rows = _rows(columns, headers, chosen, sign, rng, made, victim)
@@ -253,11 +255,7 @@ def _write_lvm(
 
 
 def _write_tdms(
-    path: Path,
-    columns: dict[str, np.ndarray],
-    headers: dict[str, str],
-    units: dict[str, str],
-    rng: np.random.Generator,
+    path: Path, columns: dict[str, np.ndarray], headers: dict[str, str], units: dict[str, str]
 ) -> Path:
     """Write a TDMS file; return its path."""
     import nptdms

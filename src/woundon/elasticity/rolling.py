@@ -1,9 +1,9 @@
 r"""Influence functions of rolling bodies with isotropic viscoelastic layers.
 
-In steady rolling the material sees the n-th harmonic e^{in theta} of
-the loads as an oscillation with n periods per revolution, so that its modulus is E(in/R)
-(:mod:`.relaxation`).  The surface compliances Y_n are those of elastic layers (:mod:`.layers`) with
-complex moduli.  The influence functions are
+In steady rolling the material sees the n-th harmonic e^{in theta} of the loads as an oscillation
+with n periods per revolution, so that its modulus is E(in/R) (:mod:`.relaxation`).  The surface
+compliances Y_n are those of elastic layers (:mod:`.layers`) with complex moduli.  The influence
+functions are
 
     Re sum_n Y_n e^{in theta}   in place of   sum_n Y_n cos(n theta),
     Im sum_n Y_n e^{in theta}   in place of   sum_n Y_n sin(n theta),

@@ -36,6 +36,7 @@ __all__ = [
     "as_plain_number",
     "decimal_sign",
     "numbers",
+    "numbers_by_name",
     "raise_faults",
     "texts",
 ]
@@ -439,6 +440,29 @@ def as_plain_number(cell: Any, sign: str) -> Any:
     if _WHOLE.fullmatch(text):
         return int(text)
     return float(text) if _DECIMAL.fullmatch(text) else cell
+
+
+def numbers_by_name(
+    sheet: Sheet,
+    columns: Sequence[Column],
+    names: Names,
+    *,
+    gaps: bool,
+    conversion: Conversion = Conversion(),  # noqa: B008
+) -> dict[str, Array]:
+    """Return columns in SI by name, a (rows,) array each, nan where a cell is empty.
+
+    Parameters as of :func:`numbers`; ``gaps`` holds for all columns.
+
+    Raises
+    ------
+    InvalidProblem
+        For invalid cells, and empty ones without ``gaps``.
+    """
+    faults: list[Fault] = []
+    arrays = numbers(sheet, columns, names, faults, gaps=lambda _: gaps, conversion=conversion)
+    raise_faults(faults)
+    return dict(zip([column.name for column in columns], arrays, strict=True))
 
 
 def raise_faults(faults: Sequence[Fault]) -> None:

@@ -21,9 +21,9 @@ from ..errors import InvalidProblem, one_of
 from ..problems.messages import quote
 from ..problems.units import parse
 from ..quantities import Quantity, length, strain, stress
-from .cells import Fault, numbers, raise_faults
+from .cells import numbers_by_name
 from .sheets import Sheet, find_table
-from .tables import OTHERS, Column, Names, is_known_header, match_columns
+from .tables import OTHERS, Names, is_known_header, match_columns
 
 __all__ = ["Branch", "CompressionTest", "branches_of", "read_compression_test", "rising_means"]
 
@@ -123,7 +123,8 @@ def read_compression_test(
     matched = match_columns(table, names, {**(columns or {}), OTHERS: None})
     if len(table.numbers) > MOST_ROWS:
         raise InvalidProblem.at(table.where, f"has too many rows; must be at most {MOST_ROWS}")
-    values = _values(table, [column for column in matched if not column.deviation], names)
+    columns_of_test = [column for column in matched if not column.deviation]
+    values = numbers_by_name(table, columns_of_test, names, gaps=True)
     P = _pressure(values, area, offset, table)
     eps = _strain(values, height, table)
     known = np.isfinite(P) & np.isfinite(eps)
@@ -165,14 +166,6 @@ def read_compression_test(
     return CompressionTest(table.where, P, eps, is_used, tuple(account))
 
 
-def _values(table: Sheet, columns: Sequence[Column], names: Names) -> dict[str, Array]:
-    """Return the columns of a test in SI, (rows,) arrays by name; nan where a cell is empty."""
-    faults: list[Fault] = []
-    arrays = numbers(table, columns, names, faults, gaps=lambda column: True)
-    raise_faults(faults)
-    return dict(zip([column.name for column in columns], arrays, strict=True))
-
-
 def _pressure(
     values: Mapping[str, Array], area: float | str | None, offset: float | str, table: Sheet
 ) -> Array:
@@ -206,8 +199,7 @@ def _strain(values: Mapping[str, Array], height: float | str | None, table: Shee
 
 def _missing(name: str, other: str, table: Sheet) -> InvalidProblem:
     """Return the error for a test without a column of the pressure, or of the strain."""
-    headers = ", ".join(map(repr, list(table.columns)[:12]))
-    text = f"has no column {name} or {other}; its columns are {headers}; assign one, as in "
+    text = f"has no column {name} or {other}; its columns are {table.headers}; assign one, as in "
     example = f"--column 'HEADER={other} [{COLUMNS[other].display}]'"
     return InvalidProblem.at(table.where, f"{text}{example}. {table.origin}".rstrip(". "))
 

@@ -2,8 +2,7 @@
 
 A log has a row for each instant: radius or diameter, web tension, nip load, speed.  Rows during a
 stop, and rows whose radius is missing, outside of the roll or an isolated spike, are left out.  The
-others are sorted into bins of equal width of
-the radius; of each bin the means are kept, with
+others are sorted into bins of equal width of the radius; of each bin the means are kept, with
 
     scatter          standard deviation of the rows about a straight line in the radius
     standard error   of the mean: the rows of the bin in the order of the log are divided into
@@ -24,7 +23,7 @@ from ..arguments import whole_number
 from ..errors import InvalidProblem, one_of
 from ..quantities import Quantity, length, velocity
 from ..quantities import tension as tension_quantity
-from .cells import Conversion, Fault, numbers, raise_faults
+from .cells import Conversion, numbers_by_name
 from .sheets import find_table
 from .tables import OTHERS, Names, is_known_header, match_columns
 
@@ -33,7 +32,7 @@ __all__ = ["MOST_BINS", "POSITIONS", "BinnedLog", "binned", "read_binned"]
 Array = np.ndarray
 
 # column of the radius or of the diameter -> its factor to a radius
-POSITIONS = {"radius": 1.0, "measured_radius": 1.0, "diameter": 0.5, "measured_diameter": 0.5}
+POSITIONS = {"radius": 1.0, "measured_radius": 1.0, "measured_diameter": 0.5, "diameter": 0.5}
 # quantities by which a stop is recognised, also if they are not used
 MOVING: dict[str, Quantity] = {
     "web_tension": tension_quantity("T_in", "web tension"),
@@ -47,9 +46,8 @@ BATCHES = 10  # of the rows of a bin
 NEXT_ROLL = 0.3  # fall of the radius, as a share of its range, with which another roll begins
 EXTENSION = 0.02  # of a profile at both ends, as a share of the range of the radius
 OUTSIDE = 0.1  # of the build-up, that a radius with noise may lie outside of core and roll
-NEIGHBOURS = (
-    5  # rows on each side with whose medians a radius is compared: spikes of 3 rows at most
-)
+# Rows on each side with whose medians a radius is compared: spikes of 3 rows at most.
+NEIGHBOURS = 5
 SPIKE = 1 / USUAL_BINS  # of the range of the radius: less shifts a row by one bin at most
 NOISE = 10.0  # median deviations, 6.7 standard deviations: normal noise does not have them
 END_ROWS = 50  # of a log whose first step, from any core, is less than NEXT_ROLL of the range
@@ -172,25 +170,17 @@ def read_binned(
     if len(places) != 1:
         text = f"has {one_of(places, 'and')}; must have one" if places else "has none"
         needed = f"needs a column of the radius or the diameter, and {text}"
-        raise InvalidProblem.at(table.where, f"{needed}; its columns are {_listed(table.columns)}")
+        raise InvalidProblem.at(table.where, f"{needed}; its columns are {table.headers}")
     if not used:
         usual = [name for name in USUAL if name in fields]
         names_of_fields = list(dict.fromkeys([*usual, *fields]))[:8]
-        text = f"has no column of {one_of(names_of_fields)}; its columns are "
-        raise InvalidProblem.at(table.where, text + _listed(table.columns))
-    faults: list[Fault] = []
-    values = numbers(table, matched, names, faults, gaps=lambda column: True, conversion=conversion)
-    raise_faults(faults)
-    by_name = dict(zip(found, values, strict=True))
+        text = f"has no column of {one_of(names_of_fields)}; its columns are {table.headers}"
+        raise InvalidProblem.at(table.where, text)
+    by_name = numbers_by_name(table, matched, names, gaps=True, conversion=conversion)
     radius = POSITIONS[places[0]] * by_name[places[0]]
     moving = [by_name[name] for name in MOVING if name in by_name]
     raw = np.array([by_name[name] for name in used])
     return binned(radius, raw, used, moving, bins, table.where, table.remarks, limits)
-
-
-def _listed(columns: Mapping[str, Any]) -> str:
-    """Return the headers of a table as a text."""
-    return ", ".join(map(repr, list(columns)[:12]))
 
 
 def binned(
@@ -232,6 +222,45 @@ def binned(
     >>> log.radius.round(2), log.mean[0]
     (array([0.15, 0.25, 0.35, 0.45]), array([300., 300., 300., 300.]))
     """
+    is_used, left_out = _used_rows(radius, raw, moving, limits)
+    r, values = radius[is_used], raw[:, is_used]
+    if r.size < 4 or r.max() <= r.min():
+        text = f"has {r.size} rows with a radius and a value; must have at least 4"
+        reasons = f"; left out: {_counted(left_out)}" if left_out else ""
+        raise InvalidProblem.at(where, f"{text}, at different radii{reasons}")
+    _check_one_roll(r, np.flatnonzero(is_used), where)
+    count = bins or int(np.clip(r.size // ROWS_PER_BIN, 2, USUAL_BINS))
+    bin_of_row = np.minimum((count * (r - r.min()) / (r.max() - r.min())).astype(int), count - 1)
+    # empty bins are left out
+    _, bin_of_row, rows = np.unique(bin_of_row, return_inverse=True, return_counts=True)
+    statistics = [_statistics(r, each, bin_of_row, rows.size) for each in values]
+    mean, scatter, error = (np.array(each) for each in zip(*statistics, strict=True))
+    return BinnedLog(
+        where=where,
+        names=tuple(names),
+        radius=np.bincount(bin_of_row, r) / rows,
+        rows=rows,
+        mean=mean,
+        scatter=scatter,
+        error=error,
+        raw_radius=radius,
+        raw=raw,
+        is_used=is_used,
+        left_out=left_out,
+        remarks=remarks,
+    )
+
+
+def _used_rows(
+    radius: Array,
+    raw: Array,
+    moving: Sequence[Array],
+    limits: tuple[float, float] | None,
+) -> tuple[Array, dict[str, int]]:
+    """Return which rows of a log are used, (n,) bool array, and the number left out by reason.
+
+    Parameters as of :func:`binned`.
+    """
     left_out: dict[str, int] = {}
     is_used = np.ones(radius.size, dtype=bool)
 
@@ -257,34 +286,7 @@ def binned(
     spikes = np.zeros(radius.size, dtype=bool)
     spikes[is_used] = _spikes(radius[is_used])
     leave_out("radius jumps to and fro", spikes)
-    r, values = radius[is_used], raw[:, is_used]
-    if r.size < 4 or r.max() <= r.min():
-        text = f"has {r.size} rows with a radius and a value; must have at least 4"
-        reasons = f"; left out: {_counted(left_out)}" if left_out else ""
-        raise InvalidProblem.at(where, f"{text}, at different radii{reasons}")
-    _check_one_roll(r, np.flatnonzero(is_used), where)
-    count = bins or int(np.clip(r.size // ROWS_PER_BIN, 2, USUAL_BINS))
-    of_rows = np.minimum((count * (r - r.min()) / (r.max() - r.min())).astype(int), count - 1)
-    numbers_of_bins = np.bincount(of_rows, minlength=count)
-    filled = numbers_of_bins > 0
-    of_rows = (np.cumsum(filled) - 1)[of_rows]  # without empty bins
-    k = int(filled.sum())
-    statistics = [_statistics(r, each, of_rows, k) for each in values]
-    mean, scatter, error = (np.array(each) for each in zip(*statistics, strict=True))
-    return BinnedLog(
-        where=where,
-        names=tuple(names),
-        radius=np.bincount(of_rows, r, k) / numbers_of_bins[filled],
-        rows=numbers_of_bins[filled],
-        mean=mean,
-        scatter=scatter,
-        error=error,
-        raw_radius=radius,
-        raw=raw,
-        is_used=is_used,
-        left_out=left_out,
-        remarks=remarks,
-    )
+    return is_used, left_out
 
 
 def _counted(left_out: Mapping[str, int]) -> str:
@@ -376,15 +378,31 @@ def _statistics(r: Array, values: Array, bins: Array, k: int) -> tuple[Array, Ar
         residual = y - slope[bins] * x
         # the straight line has two parameters
         scatter = np.sqrt(sums(residual**2) / np.maximum(count - 2, 1))
-        order = np.argsort(bins, kind="stable")  # the rows of a bin remain in the order of the log
-        firsts = np.concatenate([[0], np.cumsum(count)[:-1]])
-        rank = np.empty(bins.size)
-        rank[order] = np.arange(bins.size) - firsts[bins[order]]
-        batch = BATCHES * bins + (BATCHES * rank / count[bins]).astype(int)
-        size = np.bincount(batch, minlength=BATCHES * k)
-        means = np.bincount(batch, residual, BATCHES * k) / size
-        batch_error = np.std(means.reshape(k, BATCHES), axis=1, ddof=1) / np.sqrt(BATCHES)
-        error = np.where(count >= 2 * BATCHES, batch_error, scatter / np.sqrt(count))
+        of_batches = _error_by_batch_means(residual, bins, count)
+        error = np.where(count >= 2 * BATCHES, of_batches, scatter / np.sqrt(count))
     few = count < 3
     scatter[few] = np.nan
     return mean, scatter, np.where(few, np.nan, error)
+
+
+def _error_by_batch_means(residual: Array, bins: Array, count: Array) -> Array:
+    """Return the standard error of the mean of each bin by the method of batch means, (k,).
+
+    It is not defined for bins of less than BATCHES rows.
+
+    Parameters
+    ----------
+    residual, bins : (n,) arrays
+        Differences from the straight line in the order of the log, and the bins of the rows.
+    count : (k,) array
+        Number of rows of each bin.
+    """
+    k = count.size
+    order = np.argsort(bins, kind="stable")  # the rows of a bin remain in the order of the log
+    firsts = np.concatenate([[0], np.cumsum(count)[:-1]])
+    rank = np.empty(bins.size)
+    rank[order] = np.arange(bins.size) - firsts[bins[order]]
+    batch = BATCHES * bins + (BATCHES * rank / count[bins]).astype(int)
+    size = np.bincount(batch, minlength=BATCHES * k)
+    means = np.bincount(batch, residual, BATCHES * k) / size
+    return np.asarray(np.std(means.reshape(k, BATCHES), axis=1, ddof=1) / np.sqrt(BATCHES))

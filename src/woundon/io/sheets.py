@@ -39,6 +39,7 @@ __all__ = ["BINARY", "TABLES", "Sheet", "TableFile", "find_table", "read_sheet"]
 
 MAX_BYTES = 200_000_000  # of a file
 MAX_HEADER = 200  # characters; the time to search names is proportional to the square of it
+MAX_LISTED = 12  # headers in an error message
 MAX_UNIT = 20  # characters of a cell in a row of units
 MAX_CANDIDATES = 200  # rows that are examined as headers
 MAX_BELOW = 3  # rows from a header to the first row with numbers
@@ -85,6 +86,11 @@ class Sheet(NamedTuple):
     header: int = 0
     others: str = ""
     remarks: tuple[str, ...] = ()
+
+    @property
+    def headers(self) -> str:
+        """The first headers as a text, for error messages."""
+        return ", ".join(map(repr, list(self.columns)[:MAX_LISTED]))
 
     @property
     def origin(self) -> str:

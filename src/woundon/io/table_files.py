@@ -25,6 +25,7 @@ from .spreadsheets import Percentage, Thousands, without_apostrophe
 
 __all__ = [
     "MAX_COLUMNS",
+    "MAX_ROWS",
     "ColumnCells",
     "Rows",
     "check_column",

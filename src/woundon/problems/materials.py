@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
+from ..elasticity.relaxation import INCOMPRESSIBLE
 from ..errors import InvalidProblem, did_you_mean
 from ..quantities import Quantity, pure, stress
 from .description import Description
@@ -126,8 +127,6 @@ else:
 # Range of moduli [Pa]: wider than that of solids, so that dimensionless problems can be entered.
 SOFTEST = 1e-3
 STIFFEST = 1e14
-# Smallest 1 - 2 nu: 1/A_rr is then below the rounding error of every sum in which it occurs.
-INCOMPRESSIBLE = 1e-20
 
 
 class Orthotropic(Material):
@@ -205,7 +204,7 @@ def isotropic_stiffness(E: float, nu: float) -> Stiffness:
     E, nu : float
         Young's modulus [Pa] and Poisson's ratio.
     """
-    direct = E * (1 - nu) / ((1 + nu) * max(1 - 2 * nu, INCOMPRESSIBLE))
+    direct = E * (1 - nu) / ((1 + nu) * max(1 - 2 * nu, 1 / INCOMPRESSIBLE))
     return Stiffness(
         direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu)), E / ((1 - nu) * (1 + nu))
     )

@@ -26,7 +26,13 @@ from .materials import SOFTEST, STIFFEST, OneModulus, PoissonsRatio
 from .messages import quote
 from .permitted import Conditional
 
-__all__ = ["DynamicTest", "MeasuredModuli", "RelaxationTest", "frequency_quantity"]
+__all__ = [
+    "WARNING_MISFIT",
+    "DynamicTest",
+    "MeasuredModuli",
+    "RelaxationTest",
+    "frequency_quantity",
+]
 
 Array = np.ndarray
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -12,12 +12,9 @@ from pydantic import Field, model_validator
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, pure, share
 from .description import Description
-from .fields import Number, Numbers, check_equal_lengths, check_rising, default
+from .fields import Number, Numbers, OptionalNumbers, check_equal_lengths, check_rising, default
 from .messages import quote
 from .units import parse
-
-if TYPE_CHECKING:
-    from .fields import CoercedField
 
 __all__ = ["Lanes", "Oscillation", "ThicknessProfile", "faults_across", "warnings_across"]
 
@@ -32,11 +29,6 @@ MOST_SLACK = 0.1  # of the length: more would not run straight
 MOST_DIFFERENT = 0.02  # of the width of a problem: a scanner does not measure the last millimetres
 # Relative difference between the mean of a profile and the web thickness that needs a warning.
 CALIPERS_DIFFER = 0.1
-
-if TYPE_CHECKING:
-    OptionalNumbers = CoercedField[tuple[float, ...] | None, Iterable[float | str] | None]
-else:
-    OptionalNumbers = Numbers | None
 
 # Field of rolls and windings.
 Oscillation = Annotated[
@@ -126,7 +118,6 @@ class ThicknessProfile(Description):
         share("b", "additional length of the lanes there"),
         Field(min_length=2, max_length=10_000),
     ] = default(None)
-
     spread: Annotated[
         OptionalNumbers,
         Quantity("s_h", "m", "standard deviation of the thickness between scans", "um"),

@@ -11,7 +11,7 @@ from ..nip.result import NipResult
 from ..quantities import Quantity, angle, line_load, share
 from .report_parts import Column, Part, Table, TableRow, quantity_of, values_row
 
-__all__ = ["contact_sentences", "contacts_parts"]
+__all__ = ["FORCE", "LOAD", "TENSION", "USED", "contact_sentences", "contacts_parts"]
 
 LOAD, FORCE = line_load("P", "nip load"), line_load("F", "winding force")
 TENSION, ANGLE = line_load("T", "tension"), angle("theta", "angle")

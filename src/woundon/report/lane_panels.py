@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..quantities import Quantity, length
-from ..roll.lane_roll import LANE_QUANTITIES
+from ..quantities import Quantity
+from ..roll.lane_roll import LANE_QUANTITIES, POSITION
 from ..roll.result import RollResult
 from .panels import Axis, Curve, Map, Mark, Panel, PanelMaker, Scale
 from .report_parts import quantity_of
@@ -15,7 +15,6 @@ from .report_parts import quantity_of
 __all__ = ["lane_panels"]
 
 Array = np.ndarray
-POSITION = length("y", "position across the web")
 RADII = 200  # of a map
 # Part of the build-up, from the surface, over which the hardness across the width is averaged: a
 # tester that strikes the surface feels the layers below it.

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..problems.thickness_profile import ThicknessProfile
-from ..quantities import length, share
-from ..roll.lane_roll import LANE_QUANTITIES
+from ..quantities import share
+from ..roll.lane_roll import LANE_QUANTITIES, POSITION, slack_lanes
 from .report_parts import Row, Section, field_row, quantity_of, row_of
 
 __all__ = ["WORST_LANE", "lanes_sections"]
@@ -27,8 +27,6 @@ NAMES = (
 )
 # outputs that the section shows; the rest is in its text
 WORST_LANE = frozenset(f"worst_lane.{name}" for name in (*NAMES, "slack_share"))
-SLACK = 1e-9  # of the mean tension
-POSITION = length("y", "position across the web")
 
 
 def lanes_sections(result: Any) -> Iterator[Section]:
@@ -94,8 +92,7 @@ def _nip_load(lanes: Any) -> str:
 
 def _slack_lanes(lanes: Any) -> str:
     """Return a sentence on lanes without tension; "" if there is none."""
-    tension = lanes.wound_on_tension.values
-    slack = (tension <= SLACK * tension.mean()).any(axis=0)
+    slack = slack_lanes(lanes.share.values, lanes.wound_on_tension.values.T)
     if not slack.any():
         return "No lane is slack."
     y = lanes.position.values

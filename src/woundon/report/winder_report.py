@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..quantities import angle, line_load, share, value_of
+from ..quantities import angle, share, value_of
 from ..winding.drum_nips import DrumNips
 from ..winding.result import WindingResult
+from .contacts_report import FORCE, LOAD, TENSION, USED
 from .report_parts import Column, Part, Table, TableRow, quantity_of, values_row
 
 __all__ = ["drum_sentences", "winder_parts"]
@@ -16,10 +17,8 @@ __all__ = ["drum_sentences", "winder_parts"]
 Array = np.ndarray
 RADII = 5  # that the table shows
 NOTICEABLE = 5e-3  # of the tension: a squeeze of the roll that the first lines mention
-LOAD, FORCE = line_load("P", "nip load"), line_load("F", "winding force")
-TENSION, ARC = line_load("T", "tension"), angle("theta", "arc")
+ARC = angle("theta", "arc")
 SHARE = share("T/T_in", "tension, relative to the web tension")
-USED = share("|F|/mu P", "friction used")
 
 
 def drum_sentences(result: WindingResult) -> Iterator[str]:

@@ -25,11 +25,13 @@ if TYPE_CHECKING:
 __all__ = [
     "LANES",
     "LANE_QUANTITIES",
+    "POSITION",
     "LaneRoll",
     "NipsAcross",
     "WithLanes",
     "WorstLane",
     "build_up_of",
+    "slack_lanes",
     "solve_lanes",
 ]
 
@@ -41,6 +43,7 @@ ROUNDING = 1e-9  # of the largest pressure: a smaller negative one is a rounding
 SLACK = 1e-9  # of the mean tension: a lane with less is slack
 
 PRESSURES = ("pressure", "core_pressure", "compression")  # among the worst values
+POSITION = length("y", "position across the web")
 # Variables of the lanes over radius and position.
 LANE_QUANTITIES: Mapping[str, Quantity] = {
     "pressure": stress("P_j", "pressure between the layers of a lane"),
@@ -131,8 +134,7 @@ class LaneRoll:
     @cached_property
     def worst(self) -> WorstLane:
         """The worst values of all lanes."""
-        mean = float(np.max(self.lanes.share @ self.wound_on_tension))
-        slack = (self.wound_on_tension <= SLACK * mean).any(axis=1)
+        slack = slack_lanes(self.lanes.share, self.wound_on_tension)
         return WorstLane(
             pressure=float(np.max(self.pressure)),
             core_pressure=float(np.max(self.pressure[:, 0])),
@@ -183,6 +185,20 @@ class LaneRoll:
             "position": ("position", self.lanes.position, {"units": "m"}),
         }
         return xarray.Dataset({**variables, **across}, places)
+
+
+def slack_lanes(share: Array, tension: Array) -> Array:
+    """Return whether lanes have no tension at some radius, (L,) bool array.
+
+    Parameters
+    ----------
+    share : (L,) array
+        Fraction of the width.
+    tension : (L, M) array
+        Wound-on tension [N/m].
+    """
+    mean = float(np.max(share @ tension))
+    return np.asarray((tension <= SLACK * mean).any(axis=1))
 
 
 class WithLanes:

@@ -141,74 +141,133 @@ def tension_in_nip(
     guess : (L,) array
         Initial theta.
     """
-    weight, thickness = lanes.share * (1 + lanes.excess), 1 + lanes.excess
-    theta = guess.astype(float)
-    delta0 = nip.approach
-    e0 = strain * web_tension / wound_on
-
-    def state(theta: Array, e0: float, delta0: float) -> tuple[Array, ...]:
-        """Return residuals, web stress and load of the lanes, and their derivatives."""
-        rho = c - mu * theta
-        load, stiffness = nip.load_at(delta0 + surface * rho)
-        added, slope = nip.added(load)
-        web_strain = e0 + rho - lanes.slack
-        web = np.maximum(0.0, web_strain) / strain
-        web_slope = np.where(web_strain > 0, 1 / strain, 0.0)
-        residual = theta - web - added / (wound_on * thickness)
-        added_slope = slope * stiffness / (wound_on * thickness)
-        return residual, web, load, web_slope, stiffness, added_slope
-
-    def balance(web: Array, load: Array) -> Array:
-        """Return the relative residuals of both balances."""
-        return np.array(
-            [weight @ web * wound_on / web_tension - 1, lanes.share @ load / nip.load - 1]
-        )
-
-    def size_of(residual: Array, web: Array, load: Array) -> float:
-        """Return the largest residual of the lanes and the balances."""
-        return float(max(np.max(np.abs(residual)), np.max(np.abs(balance(web, load)))))
-
+    equations = _NipEquations(lanes, c, mu, strain, nip, surface, wound_on, web_tension)
+    state = equations.state(guess.astype(float), strain * web_tension / wound_on, nip.approach)
     for _ in range(NEWTON_STEPS):
-        residual, web, load, web_slope, stiffness, added_slope = state(theta, e0, delta0)
-        own = 1 + mu * (web_slope + surface * added_slope)
-        # theta changes by -residual/own + (web_slope de0 + added_slope ddelta)/own
-        free = -residual / own
-        by_e0, by_delta = web_slope / own, added_slope / own
-        web_change = -web_slope * mu
-        load_change = -stiffness * surface * mu
-        matrix = np.array(
-            [
-                [
-                    weight @ (web_slope + web_change * by_e0) * wound_on / web_tension,
-                    weight @ (web_change * by_delta) * wound_on / web_tension,
-                ],
-                [
-                    lanes.share @ (load_change * by_e0) / nip.load,
-                    lanes.share @ (stiffness + load_change * by_delta) / nip.load,
-                ],
-            ]
-        )
-        right = -balance(web + web_change * free, load + load_change * free)
         try:
-            de0, ddelta = np.linalg.solve(matrix, right).tolist()
+            dtheta, de0, ddelta0 = equations.newton_step(state)
         except np.linalg.LinAlgError:  # no lane touches the nip, or none is taut
             return None
-        step = free + by_e0 * de0 + by_delta * ddelta
-        size = size_of(residual, web, load)
         fraction = 1.0
         for _ in range(HALVINGS):  # lanes lose contact or become slack within a long step
-            trial = theta + fraction * step, e0 + fraction * de0, delta0 + fraction * ddelta
-            residual, web, load, *_ = state(*trial)
-            if size_of(residual, web, load) <= size:
+            trial = equations.state(
+                state.theta + fraction * dtheta,
+                state.e0 + fraction * de0,
+                state.delta0 + fraction * ddelta0,
+            )
+            if trial.largest_residual <= state.largest_residual:
                 break
             fraction /= 2
         else:  # only rounding errors are left, or Newton's method is stuck: see below
             break
-        theta, e0, delta0 = trial
-        converged = np.max(np.abs(step)) <= 100 * ROUNDING
-        if converged and np.max(np.abs(balance(web, load))) <= 20 * ROUNDING:
+        state = trial
+        converged = np.max(np.abs(dtheta)) <= 100 * ROUNDING
+        if converged and np.max(np.abs(state.balances)) <= 20 * ROUNDING:
             break
-    residual, web, load, *_ = state(theta, e0, delta0)
-    if not size_of(residual, web, load) <= LARGEST_RESIDUAL:  # also if it is nan
+    if not state.largest_residual <= LARGEST_RESIDUAL:  # also if it is nan
         return None
-    return TensionOfLanes(theta, web * wound_on / web_tension, load / nip.load)
+    return TensionOfLanes(state.theta, state.web * wound_on / web_tension, state.load / nip.load)
+
+
+class _NipState(NamedTuple):
+    """An iterate of the lanes in a nip.
+
+    Attributes
+    ----------
+    theta : (L,) array
+    e0, delta0 : float
+        Strain of the web [1] and approach of the nip [m].
+    residual : (L,) array
+        theta minus the tension of the web and that which the nip adds.
+    balances : (2,) array
+        Relative residuals of the balances of the web tension and the nip load.
+    web, load : (L,) arrays
+        sigma_j/T, and P_j [N/m].
+    web_slope, load_slope : (L,) arrays
+        Their derivatives by the strain, and by the approach [N/m^2].
+    added_slope : (L,) array
+        Derivative of the added tension, relative to that of the mean web, by the approach [1/m].
+    """
+
+    theta: Array
+    e0: float
+    delta0: float
+    residual: Array
+    balances: Array
+    web: Array
+    load: Array
+    web_slope: Array
+    load_slope: Array
+    added_slope: Array
+
+    @property
+    def largest_residual(self) -> float:
+        """The largest residual of the lanes and the balances."""
+        return float(max(np.max(np.abs(self.residual)), np.max(np.abs(self.balances))))
+
+
+class _NipEquations(NamedTuple):
+    """The equations of the lanes in a nip; arguments as of :func:`tension_in_nip`."""
+
+    lanes: Lanes
+    c: Array
+    mu: Array
+    strain: float
+    nip: NipAcross
+    surface: float
+    wound_on: float
+    web_tension: float
+
+    def state(self, theta: Array, e0: float, delta0: float) -> _NipState:
+        """Return residuals, stress of the web, load, and their derivatives."""
+        rho = self.c - self.mu * theta
+        load, load_slope = self.nip.load_at(delta0 + self.surface * rho)
+        added, slope = self.nip.added(load)
+        of_lane = self.wound_on * (1 + self.lanes.excess)
+        web_strain = e0 + rho - self.lanes.slack
+        web = np.maximum(0.0, web_strain) / self.strain
+        return _NipState(
+            theta,
+            e0,
+            delta0,
+            residual=theta - web - added / of_lane,
+            balances=self.sums(web, load) - 1,
+            web=web,
+            load=load,
+            web_slope=np.where(web_strain > 0, 1 / self.strain, 0.0),
+            load_slope=load_slope,
+            added_slope=slope * load_slope / of_lane,
+        )
+
+    def sums(self, web: Array, load: Array) -> Array:
+        """Return the sums of web stress and load over the width, relative to T_in and N, (2,)."""
+        weight = self.lanes.share * (1 + self.lanes.excess)
+        of_web = weight @ web * self.wound_on / self.web_tension
+        return np.array([of_web, self.lanes.share @ load / self.nip.load])
+
+    def newton_step(self, state: _NipState) -> tuple[Array, float, float]:
+        """Return the Newton step of theta, e0 and delta0.
+
+        theta of each lane is eliminated, which leaves the two balances for e0 and delta0.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            If no lane touches the nip, or none is taut.
+        """
+        own = 1 + self.mu * (state.web_slope + self.surface * state.added_slope)
+        # theta changes by free + by_e0 de0 + by_delta0 ddelta0
+        free = -state.residual / own
+        by_e0, by_delta0 = state.web_slope / own, state.added_slope / own
+        # derivatives of web stress and load by theta
+        web_by_theta = -state.web_slope * self.mu
+        load_by_theta = -state.load_slope * self.surface * self.mu
+        matrix = np.column_stack(
+            [
+                self.sums(state.web_slope + web_by_theta * by_e0, load_by_theta * by_e0),
+                self.sums(web_by_theta * by_delta0, state.load_slope + load_by_theta * by_delta0),
+            ]
+        )
+        right = -state.balances - self.sums(web_by_theta * free, load_by_theta * free)
+        de0, ddelta0 = np.linalg.solve(matrix, right).tolist()
+        return free + by_e0 * de0 + by_delta0 * ddelta0, de0, ddelta0

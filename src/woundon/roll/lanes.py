@@ -105,6 +105,43 @@ class _Points(NamedTuple):
     kappa: Array
 
 
+class _Sources(NamedTuple):
+    """Nodes and sources of the lanes at a stage.
+
+    Attributes
+    ----------
+    nodes : (L, n + 1) array
+        ln r_j of each lane.
+    source, by_kappa, by_theta : CellSource
+        C [Pa], and its derivatives by kappa and theta of the stage; (L, n) arrays.
+    """
+
+    nodes: Array
+    source: CellSource
+    by_kappa: CellSource
+    by_theta: CellSource
+
+
+class _Eliminated(NamedTuple):
+    """A Newton step of P, Q and kappa as functions of the change dtheta of theta.
+
+        P, Q -= step + dkappa of_kappa + dtheta of_theta,    dkappa = free - softening dtheta
+
+    Attributes
+    ----------
+    step, of_kappa, of_theta : (L, n + 1, 2) arrays
+        P and Q in the last axis [Pa].
+    free, softening : (L,) arrays
+        kappa + dkappa is that of a further layer.
+    """
+
+    step: Array
+    of_kappa: Array
+    of_theta: Array
+    free: Array
+    softening: Array
+
+
 @dataclass
 class LaneBuildUp:
     """The lanes at one stage.
@@ -378,7 +415,7 @@ class _Lanes:
         (5, L) array, two (L, n + 1) arrays
             The functions, P and Q [Pa].
         """
-        equations, lanes, E_t = self.equations, self.lanes, self.equations.tangential
+        lanes, E_t = self.lanes, self.equations.tangential
         surface = float(nodes[-1])
         points = self._points(nodes, self.last.curves.with_stage(surface, guess.ravel()))
         P, Q = self._pressure_guess(nodes, mean_P, mean_Q)
@@ -389,28 +426,12 @@ class _Lanes:
         values = guess.copy()
         values[THETA] = np.maximum(values[THETA], 0.0)
         for _ in range(MAX_ITERATIONS):
-            X, source, by_kappa, by_theta = self._sources(nodes, points, values - guess)
-            data = stage_data(X, source, self.core_tension)
+            kappa, theta = mean_kappa + values[KAPPA], values[THETA]
+            sources = self._sources(nodes, points, values - guess)
             try:
-                factors, E, step, layer = equations.linearised(data, P.ravel(), Q.ravel())
+                step, of_kappa, of_theta, free, softening = self._eliminate(sources, P, Q, kappa)
             except SingularStageError:
                 return None
-            right = [
-                source_residual(data.lengths, CellSource(*map(_joined, each)))
-                for each in (by_kappa, by_theta)
-            ]
-            of_kappa, of_theta = factors.solve(np.array(right).T).T.reshape(2, *P.shape, 2)
-            kappa_by_P = equations.kappa_by_pressure(data, P.ravel(), layer[::2], E)
-            # in the last axis P and Q; P, Q -= step
-            step, layer = (part.reshape(*P.shape, 2) for part in (step, layer))
-            own, of_step, of_tension = (
-                (kappa_by_P.reshape(P.shape) * part[..., 0]).sum(axis=1)
-                for part in (of_kappa, step, of_theta)
-            )
-            # kappa + free - softening dtheta is that of a further layer
-            kappa, theta = mean_kappa + values[KAPPA], values[THETA]
-            free = (layer[:, -1, 1] - kappa - of_step) / (1 + own)
-            softening = of_tension / (1 + own)
             # (1 + kappa) theta = inward theta + rest, linearised; the bound of inward only slows
             # Newton's method
             inward = np.maximum(
@@ -437,21 +458,48 @@ class _Lanes:
                 return None
             largest = np.max(np.abs(P), axis=1)
             scale = np.maximum(largest, SMALLEST_PRESSURE * np.max(largest))
-            if (
-                max(
-                    np.max(np.abs(step[..., 0]).max(axis=1) / scale),
-                    np.max(np.abs(dkappa) / (2 + np.abs(kappa))),
-                    np.max(np.abs(dtheta)),
-                    np.max(np.abs(drho)) / strain,
-                )
-                <= LAST_STEP
-            ):
+            changes = (
+                np.abs(step[..., 0]).max(axis=1) / scale,
+                dkappa / (2 + np.abs(kappa)),
+                dtheta,
+                drho / strain,
+            )
+            if np.max(np.abs(changes)) <= LAST_STEP:
                 return values, P, Q
         return None
 
-    def _sources(
-        self, nodes: Array, points: _Points, change: Array
-    ) -> tuple[Array, CellSource, CellSource, CellSource]:
+    def _eliminate(self, sources: _Sources, P: Array, Q: Array, kappa: Array) -> _Eliminated:
+        """Eliminate the changes of P and Q, then that of kappa, from a Newton step.
+
+        Parameters
+        ----------
+        sources : _Sources
+        P, Q : (L, n + 1) arrays
+            Of the lanes [Pa].
+        kappa : (L,) array
+
+        Raises
+        ------
+        SingularStageError
+        """
+        X, source, by_kappa, by_theta = sources
+        data = stage_data(X, source, self.core_tension)
+        factors, E, step, layer = self.equations.linearised(data, P.ravel(), Q.ravel())
+        right = [
+            source_residual(data.lengths, CellSource(*map(_joined, each)))
+            for each in (by_kappa, by_theta)
+        ]
+        of_kappa, of_theta = factors.solve(np.array(right).T).T.reshape(2, *P.shape, 2)
+        kappa_by_P = self.equations.kappa_by_pressure(data, P.ravel(), layer[::2], E)
+        step, layer = (part.reshape(*P.shape, 2) for part in (step, layer))
+        own, of_step, of_tension = (
+            (kappa_by_P.reshape(P.shape) * part[..., 0]).sum(axis=1)
+            for part in (of_kappa, step, of_theta)
+        )
+        free = (layer[:, -1, 1] - kappa - of_step) / (1 + own)
+        return _Eliminated(step, of_kappa, of_theta, free, of_tension / (1 + own))
+
+    def _sources(self, nodes: Array, points: _Points, change: Array) -> _Sources:
         """Return nodes and sources of the lanes, C = -r T' - T (2 + kappa).
 
         Parameters
@@ -464,10 +512,7 @@ class _Lanes:
 
         Returns
         -------
-        (L, n + 1) array
-            ln r_j of the nodes of each lane.
-        three CellSource, (L, n) arrays each [Pa]
-            C, and its derivatives by kappa and theta of the stage.
+        _Sources
         """
         n = nodes.size - 1
         change = change[:WEB, :, None]
@@ -490,7 +535,7 @@ class _Lanes:
         # The middle of a cell of the lane belongs to another layer than that of the mean roll.
         off = (shift[:, :n] + shift[:, 2 * n :]) / 2 - shift[:, n : 2 * n]
         sources[0].middle[:] += off * (sources[0].right - sources[0].left) / np.diff(nodes)
-        return X, *sources
+        return _Sources(X, *sources)
 
 
 def _joined(values: Array) -> Array:

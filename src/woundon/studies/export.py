@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InvalidProblem, one_of
 from ..io.files import replaced_file
 from ..io.spreadsheets import record_table, write_csv, write_workbook
-from ..io.table_files import need_openpyxl
+from ..io.table_files import MAX_ROWS, need_openpyxl
 from .cases import is_numeric
 from .run import Table
 
@@ -21,7 +21,6 @@ __all__ = ["EXPORTS", "TABLES", "check_export", "export", "write_table"]
 
 EXPORTS = (".nc", ".csv", ".xlsx", ".parquet")
 TABLES = (".csv", ".xlsx")  # formats of tables of cases that are not studies
-EXCEL_ROWS = 1_048_576
 
 
 def check_export(path: str | Path, endings: tuple[str, ...] = EXPORTS) -> Path:
@@ -54,7 +53,7 @@ def export(table: Table, path: str | Path) -> None:
         If the file cannot be written.
     """
     path = check_export(path)
-    if path.suffix == ".xlsx" and len(table.cases) + 1 > EXCEL_ROWS:
+    if path.suffix == ".xlsx" and len(table.cases) + 1 > MAX_ROWS:
         text = f"{len(table.cases)} cases are more than an Excel sheet's rows"
         raise InvalidProblem.at(str(path), text)
     with replaced_file(path) as temporary:

@@ -13,12 +13,12 @@ import numpy as np
 
 from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem
-from ..io.cells import Fault, numbers, raise_faults
+from ..io.cells import numbers_by_name
 from ..io.files import check_writable
 from ..io.sheets import Sheet, read_sheet
 from ..io.spreadsheets import write_csv
 from ..io.tables import Column, Names, match_columns
-from ..problems.measured_moduli import DynamicTest, frequency_quantity
+from ..problems.measured_moduli import WARNING_MISFIT, DynamicTest, frequency_quantity
 from ..problems.messages import not_one_of, quote
 from ..problems.superposition import (
     Isotherm,
@@ -52,7 +52,6 @@ LEAST_ROWS = 3  # of an isotherm
 SCALES = {"degC": "degC", "\N{DEGREE SIGN}C": "degC", "K": "K"}
 _TEMPERATURE = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*")
 UNCERTAIN = 0.1  # decades, standard error of a shift that is remarked on
-POOR = 0.05  # misfit that is remarked on, as of a dynamic test
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -151,7 +150,7 @@ class MasterCurve(Outcome):
     def remarks(self) -> list[str]:
         """Return what makes the curve doubtful."""
         found = []
-        if self.misfit > POOR:
+        if self.misfit > WARNING_MISFIT:
             found.append(
                 f"the shifted moduli deviate from any Prony series by {self.misfit:.1%} (rms): the "
                 "material has several kinds of relaxation, or the moduli change with the "
@@ -429,18 +428,11 @@ def _read(sheet: Sheet, columns: Mapping[str, str | None]) -> _Rows:
     """Return the columns of a sheet; loss moduli from tan delta where the table has only these."""
     names = Names(COLUMNS)
     matched = match_columns(sheet, names, columns)
-    faults: list[Fault] = []
     scales: set[str] = set()
     for column in matched:
         if column.name == "temperature":
             scales |= _scales_of(column, sheet.where)
-
-    def has_no_gaps(column: Column) -> bool:
-        return False
-
-    cells = numbers(sheet, matched, names, faults, gaps=has_no_gaps)
-    raise_faults(faults)
-    values = {column.name: of_rows for column, of_rows in zip(matched, cells, strict=True)}
+    values = numbers_by_name(sheet, matched, names, gaps=False)
     missing = [name for name in ("frequency", "storage_modulus") if name not in values]
     if "loss_modulus" not in values and "tan_delta" not in values:
         missing.append("loss_modulus or tan_delta")

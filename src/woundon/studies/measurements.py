@@ -17,6 +17,7 @@ from typing import Any, NamedTuple, get_args, get_type_hints
 import numpy as np
 
 from ..errors import InvalidProblem, one_of
+from ..io.logs import POSITIONS
 from ..problems.messages import quote
 from ..problems.problem import Problem
 from ..problems.units import parse
@@ -41,11 +42,8 @@ __all__ = [
 
 Array = np.ndarray
 
-POSITIONS: dict[str, float] = {
-    "measured_radius": 1.0,
-    "measured_diameter": 0.5,
-    "diameter": 0.5,
-}  # column -> its factor to a radius
+# Column -> its factor to a radius; ``radius`` is a field of the problem, that of the whole roll.
+MEASURED_POSITIONS = {name: factor for name, factor in POSITIONS.items() if name != "radius"}
 FORCE = Quantity("F_t", "N", "force that moves a pull tab")
 TAB = "pull tab"  # name of the uncertainty of its calibration
 TAB_FORCE, PRESSURE, LENGTH = "pull_tab_force", "pressure", "wound_length"
@@ -155,7 +153,7 @@ def read_observations(
         if name not in scalars and nowhere.any():
             row = table.numbers[int(np.argmax(nowhere))]
             column = TAB_FORCE if name == PRESSURE and TAB_FORCE in table.outputs else name
-            text = f"row {row}: {column} needs a column {one_of(POSITIONS)}"
+            text = f"row {row}: {column} needs a column {one_of(MEASURED_POSITIONS)}"
             raise InvalidProblem.at(table.where, text)
     names, shape = list(values_of), (len(values_of), len(table.numbers))
 
@@ -199,7 +197,7 @@ def measured_columns(problem: Problem, over_radius: bool = True) -> dict[str, Qu
     arrays = arrays_over_radius(result, columns_of(problem)) if over_radius else {}
     known = {**arrays, **measurable_outputs(problem)}
     if arrays:
-        positions = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
+        positions = dict.fromkeys(MEASURED_POSITIONS, length("r", "where it was measured"))
         known |= {**positions, TAB_FORCE: FORCE}
     return known
 
@@ -244,10 +242,12 @@ def _radius(values_of: dict[str, Array], where: str, count: int) -> Array:
     count : int
         Number of rows.
     """
-    columns = [name for name in POSITIONS if name in values_of]
+    columns = [name for name in MEASURED_POSITIONS if name in values_of]
     if len(columns) > 1:
         raise InvalidProblem.at(where, f"has {' and '.join(columns)}; must be one of them")
-    return POSITIONS[columns[0]] * values_of.pop(columns[0]) if columns else np.full(count, nan)
+    if not columns:
+        return np.full(count, nan)
+    return MEASURED_POSITIONS[columns[0]] * values_of.pop(columns[0])
 
 
 def arrays_over_radius(result: type[Result], fields: Collection[str]) -> dict[str, Quantity]:

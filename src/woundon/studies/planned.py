@@ -18,6 +18,7 @@ import numpy as np
 from .. import kinds
 from ..arguments import check_arguments
 from ..errors import InvalidProblem, did_you_mean
+from ..io.logs import POSITIONS
 from ..problems.messages import quote
 from ..problems.paths import find_places, get_field, number_in_si
 from ..problems.problem import Problem
@@ -26,7 +27,7 @@ from ..quantities import Quantity, length
 from ..results import Result
 from .columns import columns_of, measurable_outputs
 from .measured import MEASURED_AS
-from .measurements import POSITIONS, PRESSURE, Observable, arrays_over_radius, read_deviation
+from .measurements import PRESSURE, Observable, arrays_over_radius, read_deviation
 from .model import KindModel, kind_of, model_of
 from .predict import Case, cases_of
 from .slopes import slopes, solve_case
@@ -34,7 +35,6 @@ from .slopes import slopes, solve_case
 __all__ = ["Measurement", "PlannedMeasurement", "SolvedStates", "plan_measurement"]
 
 Array = np.ndarray
-RADII = {**POSITIONS, "radius": 1.0}  # names of the position in a roll -> factor to a radius
 RADIUS = length("r", "position in a roll")
 PULL_TAB = "pull_tab_pressure"
 SolvedStates = dict[Any, Result]  # by problem and values of its varied fields
@@ -142,7 +142,7 @@ class Measurement:
         Without a problem it is that of any kind which has the field: the same name has the same
         unit in all of them.
         """
-        if name in RADII:
+        if name in POSITIONS:
             return RADIUS
         owners: list[Any] = [kind.problem for kind in kinds.every()]
         if self.problem is not None:
@@ -317,8 +317,8 @@ def _state(
     for name, entry in measurement.at.items():
         values = list(entry) if _is_series(entry) else [entry] * measurement.size
         where = f"{measurement.quantity}: at: {name}"
-        if has_radius and name in RADII:
-            position = RADII[name] * np.array([parse(value, "m", where) for value in values])
+        if has_radius and name in POSITIONS:
+            position = POSITIONS[name] * np.array([parse(value, "m", where) for value in values])
             continue
         state[name] = np.array([number_in_si(base, name, value, where) for value in values])
     return state, position

@@ -35,6 +35,7 @@ from ..problems.roll import Core, RollProblem
 from ..quantities import Quantity, length, line_load, share, strain, stress
 from ..results import Presented
 from ..roll.gauge_band import gauge_band_over, lane_strain
+from ..roll.lane_roll import POSITION
 from ..roll.result import RollResult
 from ..roll.stages import Stage, stages_at
 from ..roll.validity import yield_warnings
@@ -421,7 +422,6 @@ DRUMS = share("F/mu P", "largest winding force of a drum / its friction").named(
 )
 BAND = strain("eps_b", "largest strain of the thickest lane (gauge band)").named("band_strain")
 EVEN = "of a web of even thickness"
-POSITION = length("y", "position across the web")
 RIDGE = length("dR", "height of the ridge over the thickest lane", "um").named("ridge_height")
 # where the torque meets no capacity at all: the margin is infinite
 NO_FRICTION = "friction between the layers carries nothing"
