@@ -259,11 +259,25 @@ def test_vertical_shifts_are_remarked_on() -> None:
 
 def test_answer_and_figure() -> None:
     curve = wo.master_curve(exact_isotherms(), 40.0, shifts="wlf")
-    assert [line for line in curve.answer() if line.startswith("T = 25:")]
+    assert [line for line in curve.answer() if line.startswith("T = 25 degC:")]
     figure = curve.plot()
     moduli, shifts = figure.axes[:2]
     assert moduli.get_xscale() == moduli.get_yscale() == "log"
     points = [line for line in moduli.get_lines() if line.get_linestyle() == "None"]
     assert sum(len(line.get_xdata()) for line in points) == 2 * curve.frequency.size
     assert len(shifts.get_lines()) >= 2  # isotherms and law
+    plt.close(figure)
+
+
+@pytest.mark.parametrize("scale", ["degC", "K"])
+def test_temperatures_are_shown_in_their_scale(scale: str) -> None:
+    tables = {f"{T:g} {scale}": table for T, table in exact_isotherms().items()}
+    curve = wo.master_curve(tables, f"40 {scale}")
+    assert curve.scale == scale
+    assert f"Hz at 40 {scale} from" in curve.answer()[0]
+    figure = curve.plot()
+    moduli, shifts = figure.axes[:2]
+    assert moduli.get_ylabel() == f"Moduli at 40 {scale} [MPa]"
+    assert shifts.get_xlabel() == f"Temperature $T$ [{scale}]"
+    assert f"$T$ = 25 {scale}" in {line.get_label() for line in moduli.get_lines()}
     plt.close(figure)

@@ -268,3 +268,5 @@ def test_the_figure_shows_used_and_other_rows_and_all_laws():
     assert labels[:2] == ["rows left out", "rows"]
     assert len(labels) == 2 + 4
     assert len(moduli.lines) == 4
+    (legend,) = moduli.figure.legends  # of both panels
+    assert [text.get_text() for text in legend.get_texts()] == labels

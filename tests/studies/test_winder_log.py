@@ -12,6 +12,7 @@ import sys
 import tomllib
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas
 import pytest
@@ -351,6 +352,35 @@ def test_the_figure_shows_rows_means_and_rows_left_out():
     sizes = {line.get_label(): line.get_xdata().size for line in figure.axes[0].lines}
     assert sizes["rows"] <= 4000
     assert sizes["rows left out"] == 10
+
+
+def test_rows_left_out_far_away_do_not_stretch_the_axes():
+    radius, T, speed = growing(3000), tension(growing(3000)), np.full(3000, 20.0)
+    speed[[10, 20, 30]] = 0  # left out
+    T[[10, 20]] = 410.0, 1e5
+    radius[30] = 55.0
+    figure = wo.read_log({"radius": radius, "web_tension": T, "web_speed": speed}, WINDING).plot()
+    (first,) = [axes for axes in figure.axes if "web tension" in axes.get_ylabel()]
+    assert 500 < first.get_xlim()[1] < 900  # mm; the roll ends at 600 mm
+    assert 400 < first.get_ylim()[1] < 450  # N/m; the tension begins at 400 N/m
+    shown = {line.get_label(): line.get_ydata() for line in first.lines}
+    assert shown["rows left out"].tolist() == [410.0]
+    plt.close(figure)
+
+
+def test_the_legend_names_what_any_quantity_shows():
+    radius, T, load = growing(3000), tension(growing(3000)), np.full(3000, 2000.0)
+    speed = np.full(3000, 20.0)
+    speed[:10], load[:10] = 0, np.nan  # left out, and without a nip load
+    table = {"radius": radius, "web_tension": T, "web_speed": speed, "nip_load": load}
+    figure = wo.read_log(table, WINDING).plot()
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == [
+        "rows",
+        "rows left out",
+        "mean of a bin, with the standard deviation of its rows",
+    ]
+    plt.close(figure)
 
 
 @pytest.mark.slow

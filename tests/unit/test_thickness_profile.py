@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 import warnings
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 import woundon as wo
 from woundon.io.chosen_units import units_of
+from woundon.report.lane_panels import lane_panels
 
 Y = np.linspace(0, 2, 101)
 BAND = wo.ThicknessProfile(position=Y, thickness=66e-6 * (1 + 0.008 * (np.abs(Y - 1.2) < 0.11)))
@@ -311,6 +313,28 @@ def test_figures_of_the_lanes(result, tmp_path):
         result.plot(tmp_path / "mill.png", panels=panels)
     with pytest.raises(wo.InvalidProblem, match="nip_load_across"):
         result.plot(tmp_path / "lanes.png", panels="nip_load_across")
+
+
+def test_maps_of_lanes_reach_the_edges_of_the_web(result):
+    for panel in (
+        lane_panels(result)[name].make(result) for name in ("lane_pressure", "lane_tension")
+    ):
+        assert panel.map is not None
+        assert panel.map.x[[0, -1]] == pytest.approx(panel.x.limits, abs=1e-12)
+        assert panel.map.x[[0, -1]] == pytest.approx([0, 2], abs=1e-12)
+        assert panel.map.values.shape == (panel.map.y.size, panel.map.x.size)
+
+
+def test_thickness_and_ridges_have_one_zero(result, tmp_path):
+    figure = result.plot(panels="thickness_across")
+    left, right = figure.axes
+    zeros = [axes.transData.transform((0, 0))[1] for axes in (left, right)]
+    assert zeros[0] == pytest.approx(zeros[1], abs=0.1)  # pixels
+    for axes, curve in ((left, left.lines[0]), (right, right.lines[0])):
+        low, high = axes.get_ylim()
+        assert low < min(curve.get_ydata())
+        assert max(curve.get_ydata()) < high
+    plt.close(figure)
 
 
 # ---- studies ------------------------------------------------------------------------------------

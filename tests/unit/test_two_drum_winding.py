@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from math import exp
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
+from woundon.io.chosen_units import units_of
 from woundon.report.answer import answer_lines
 from woundon.report.winding_panels import winding_panels
 from woundon.studies.window_cases import range_of
@@ -270,6 +272,11 @@ def test_the_drawing_is_that_of_the_geometry() -> None:
     web = next(c for c in panel.curves if c.name == "web")
     on_roll = np.hypot(web.x - roll[0], web.y - roll[1])
     assert on_roll.min() == pytest.approx(R, rel=1e-3)  # no part of the web is inside of the roll
+
+
+def test_the_report_in_mill_units_has_no_other_ones() -> None:
+    with units_of(["mill"]):
+        assert not re.findall(r"\d (N/m|N|kPa|MPa|mm|um)\b", str(solved("rider")))
 
 
 # ---- studies ------------------------------------------------------------------------------------

@@ -116,6 +116,10 @@ LAWS = {
     "friction": "The web slips throughout the nip: WOT = T_in + F + mu P.",
     "fixed": "The nip-induced tension is given.",
 }
+FULL_SLIP_ON_DRUMS = (
+    "The web slips throughout all nips: WOT = T_in + F + mu P behind the rear drum, and behind "
+    "each next nip WOT exp(-mu theta) + F + mu P if that is larger, theta the arc before the nip."
+)
 
 
 def of_winding(problem: Any) -> tuple[str, ...]:
@@ -133,6 +137,8 @@ def of_winding(problem: Any) -> tuple[str, ...]:
         )
     else:
         text = LAWS.get(law, "") if isinstance(law, str) else ""
+        if law == "friction" and problem.winder is not None:
+            text = FULL_SLIP_ON_DRUMS
         assumptions = (text or "The wound-on tension is given over the radius.",)
     return (
         *assumptions,

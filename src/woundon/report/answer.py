@@ -12,7 +12,7 @@ from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..problems.description import is_unset
 from ..problems.problem import Problem
-from ..quantities import walk
+from ..quantities import in_chosen_units, walk
 from ..results import Result
 from ..winding.result import WindingResult
 from .contacts_report import contact_sentences
@@ -166,7 +166,7 @@ def _values(result: Result, names: Iterable[str]) -> str:
 def assumptions_section(result: Result) -> list[Section]:
     """Return the section of the assumptions of the model, if any are known."""
     texts = result.assumptions
-    return [Section("Assumptions", (), " ".join(texts))] if texts else []
+    return [Section("Assumptions", (), in_chosen_units(" ".join(texts)))] if texts else []
 
 
 def defaults_section(problem: Problem) -> list[Section]:

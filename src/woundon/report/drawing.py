@@ -154,11 +154,12 @@ def draw_figure(
         figure, placed = _empty_figure(panels, registered, same_y)
         is_lettered = lettered and len(panels) > 1
         letters = iter("abcdefghijklmnopqrstuvwxyz" if is_lettered else "")
-        of_figure: dict[str, list[Artist]] = {}
+        of_figure: dict[str, dict[str, Artist]] = {}  # by label: panels have entries in common
         for axes, cases, shares_x in placed:
             handles, panel = draw_panel(axes, cases, colours), cases[0]
-            if panel.legend in LEGENDS_OF_FIGURE:  # the same in all panels
-                of_figure[panel.legend] = handles
+            if panel.legend in LEGENDS_OF_FIGURE:
+                entries = of_figure.setdefault(panel.legend, {})
+                entries.update({str(handle.get_label()): handle for handle in handles})
             elif handles:
                 _add_legend(axes, handles, panel)
             # strips of stick and slip zones belong to the panel above them and have no letter
@@ -170,9 +171,11 @@ def draw_figure(
             if shares_x:
                 axes.set_xlabel("")
                 axes.tick_params(labelbottom=False)
-        for place, handles in of_figure.items():
-            columns = len(handles) if place == "figure below" else 1
-            figure.legend(handles=handles, loc=LEGENDS_OF_FIGURE[place], ncols=columns)
+        for place, entries in of_figure.items():
+            columns = len(entries) if place == "figure below" else 1
+            figure.legend(
+                handles=list(entries.values()), loc=LEGENDS_OF_FIGURE[place], ncols=columns
+            )
         if len(panels[0]) > 1:
             names = _case_legend(labels, colours)
             figure.legend(handles=names, loc="outside upper center", ncols=min(len(names), 3))
@@ -326,6 +329,8 @@ def draw_panel(axes: Axes, cases: Sequence[Panel], colours: Colours = (None,)) -
     _format_axis(axes, "y", [case.y for case in cases], left, panel.height)
     if panel.right:
         right.set_ylabel(axis_label(panel.right))
+        if limits := [case.right.limits for case in cases if case.right and case.right.limits]:
+            right.set_ylim(*_shown(panel.right, np.array(widest(limits))))
         right.yaxis.set_major_formatter(_TickLabels(useOffset=False))
         right.grid(visible=False)
     entries = [handle for handle in handles if handle is not None]
@@ -494,7 +499,8 @@ def _draw_curve(axes: Axes, panel: Panel, curve: Curve, colour: str | None) -> A
         "alpha": curve.opacity,
         "drawstyle": "steps-mid" if curve.steps else "default",
         "clip_on": not (curve.line == "none" and x.size == 1),  # a point at the edge is whole
-        "zorder": 3 if curve.line == "none" else 2,
+        # points over lines, faint ones below
+        "zorder": (3 if curve.opacity == 1 else 1.5) if curve.line == "none" else 2,
         "label": wrapped_text(label, NAME_WIDTH if panel.legend == "inside" else 44) or None
         if panel.legend in ("right", "figure right", "inside")
         else label or None,
@@ -556,7 +562,7 @@ def _draw_map(axes: Axes, panel: Panel, plane: Map, colour: str | None) -> list[
     if scale and scale.axis.limits and colour is None:
         low, high = _shown(scale.axis, np.array(scale.axis.limits))
         about_zero = scale.palette != "sequential"
-        levels = MaxNLocator(LEVELS, symmetric=about_zero).tick_values(low, high)
+        levels = MaxNLocator(LEVELS, symmetric=about_zero, steps=STEPS).tick_values(low, high)
         palette, extend = PALETTES[scale.palette], EXTENDED[scale.clipped]
         filled = axes.contourf(x, y, values, levels, cmap=palette, extend=extend)
         _add_colour_bar(axes, panel, scale, filled)

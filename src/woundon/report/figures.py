@@ -60,6 +60,7 @@ COLOURS = {
 ZONE_COLOURS = {-1: "#E69F00", 0: "#F0F0F0", 1: "#56B4E9"}
 ZONE_HATCHES = {-1: "\\\\\\\\", 0: "", 1: "////"}
 FORMULA = re.compile(r"\$([^$]*)\$")  # in a label
+MICROMETRES = re.compile(r"(?<=\d )um\b")  # in a label
 WORD = re.compile(r"[A-Za-z]+\d*(?:_\w+)?[+-]?")  # a symbol in a formula
 
 _STYLE: Any = {
@@ -219,7 +220,8 @@ def formulas(label: str) -> str:
     >>> formulas("Pressure $p$"), formulas("$|q+|/mu+$")
     ('Pressure $p$', '$|q^{+}|/\\mu^{+}$')
     """
-    return FORMULA.sub(lambda formula: f"${_in_tex(formula[1])}$", label)
+    words = FORMULA.sub(lambda formula: f"${_in_tex(formula[1])}$", label)
+    return MICROMETRES.sub("µm", words)
 
 
 def _in_tex(formula: str) -> str:

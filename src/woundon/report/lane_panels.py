@@ -9,7 +9,7 @@ import numpy as np
 from ..quantities import Quantity
 from ..roll.lane_roll import LANE_QUANTITIES, POSITION
 from ..roll.result import RollResult
-from .panels import Axis, Curve, Map, Mark, Panel, PanelMaker, Scale
+from .panels import Axis, Curve, Limits, Map, Mark, Panel, PanelMaker, Scale
 from .report_parts import quantity_of
 
 __all__ = ["lane_panels"]
@@ -21,6 +21,7 @@ RADII = 200  # of a map
 STRUCK = 0.1
 DRAWN = 0.15  # height of the largest ridge in the drawing of the roll, of its radius
 ENLARGEMENTS = (1, 2, 5)  # times a power of ten
+MARGIN = 0.06  # below and above curves, of their range
 GAP = 0.06  # of the width, between the end of the roll and the bar of the scale
 
 
@@ -48,13 +49,17 @@ def lane_panels(result: Any) -> dict[str, PanelMaker]:
     return panels
 
 
-def _across(lanes: Any) -> Axis:
-    """Return the axis across the web."""
+def _to_edges(lanes: Any) -> Array:
+    """Return the positions of the middles of the lanes, between those of the edges."""
     y = lanes.position.values
     half = (y[1] - y[0]) / 2
-    return Axis(
-        "Position across the web $y$", POSITION, limits=(float(y[0] - half), float(y[-1] + half))
-    )
+    return np.concatenate([[y[0] - half], y, [y[-1] + half]])
+
+
+def _across(lanes: Any) -> Axis:
+    """Return the axis across the web."""
+    left, *_, right = _to_edges(lanes).tolist()
+    return Axis("Position across the web $y$", POSITION, limits=(left, right))
 
 
 def _panel(name: str, title: str, lanes: Any, y: Axis, **others: Any) -> Panel:
@@ -67,15 +72,15 @@ def thickness_across(result: Any) -> Panel:
     """Return the panel of the thickness of the lanes, and of the ridges of the finished roll."""
     lanes = result.lanes
     y, share = lanes.position.values, Quantity("d", "1", "thickness above the mean", "%")
-    ridge = LANE_QUANTITIES["ridge_height"]
+    excess, ridge = lanes.thickness_excess.values, lanes.ridge_height.values[-1]
+    left, right = _with_one_zero(excess, ridge)
     curves = (
-        Curve("thickness_excess", y, lanes.thickness_excess.values, "d", "thickness"),
+        Curve("thickness_excess", y, excess, "d", "thickness"),
         Curve(
             "ridge_height",
             y,
-            lanes.ridge_height.values[-1],
-            "dR",
-            "ridge",
+            ridge,
+            label="ridges",
             colour="drum",
             line="dashed",
             right=True,
@@ -85,11 +90,20 @@ def thickness_across(result: Any) -> Panel:
         "thickness_across",
         "Thickness profile and ridges",
         lanes,
-        Axis("Thickness above the mean $d$", share),
-        right=Axis("Height of the surface over the mean", ridge),
+        Axis("Thickness above the mean $d$", share, limits=left),
+        right=Axis("Height of the ridges", LANE_QUANTITIES["ridge_height"], limits=right),
         curves=curves,
         marks=(Mark("x", 0.0, alone=False),),
     )
+
+
+def _with_one_zero(*curves: Array) -> list[Limits]:
+    """Return the ends of axes, one for each curve, with their zeros at one height."""
+    sizes = [float(np.max(np.abs(curve))) or 1.0 for curve in curves]
+    parts = np.concatenate([curve / size for curve, size in zip(curves, sizes, strict=True)])
+    margin = MARGIN * (float(np.ptp(parts)) or 1.0)
+    low, high = float(parts.min()) - margin, float(parts.max()) + margin
+    return [(low * size, high * size) for size in sizes]
 
 
 def lane_pressure(result: Any) -> Panel:
@@ -118,7 +132,8 @@ def _map(result: Any, name: str, title: str, output: str, label: str) -> Panel:
         title,
         lanes,
         radius,
-        map=Map(lanes.position.values, r, values),
+        # the outer lanes up to the edges of the web
+        map=Map(_to_edges(lanes), r, np.pad(values, ((0, 0), (1, 1)), mode="edge")),
         scale=Scale(Axis(label, quantity, limits=limits)),
         column="lanes",
         height=2.8,
@@ -128,16 +143,12 @@ def _map(result: Any, name: str, title: str, output: str, label: str) -> Panel:
 def roll_surface(result: Any) -> Panel:
     """Return the drawing of the roll from the front, with the ridges of its surface enlarged."""
     lanes = result.lanes
-    y, R = lanes.position.values, float(lanes.radius.values[-1])
+    R = float(lanes.radius.values[-1])
     core, ridge = float(lanes.radius.values[0]), lanes.ridge_height.values[-1]
     factor = _enlargement(DRAWN * R / max(float(np.max(np.abs(ridge))), 1e-12))
     surface = R + factor * ridge
-    half = (y[1] - y[0]) / 2
-    left, right = float(y[0] - half), float(y[-1] + half)
-    ends, outline = (
-        np.concatenate([[left], y, [right]]),
-        np.concatenate([surface[:1], surface, surface[-1:]]),
-    )
+    ends, outline = _to_edges(lanes), np.pad(surface, 1, mode="edge")
+    left, right = float(ends[0]), float(ends[-1])
     # a bar as high as the largest ridge, with its true height, inside the drawing
     height = float(np.max(np.abs(ridge)))
     bar = right - GAP * (right - left)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..quantities import strain, stress
 from ..roll.result import RollResult
-from .panels import LINES, SERIES, Axis, Curve, Panel
+from .panels import LINES, SERIES, Axis, Curve, Limits, Panel
 from .report_parts import quantity_of
 from .study_panels import named_axis
 
@@ -20,21 +21,28 @@ __all__ = ["log_panels", "stack_panels"]
 
 Array = np.ndarray
 MOST_POINTS = 4000  # of the rows of a log, evenly spaced in its order
+# Rows left out may be anywhere, as their radius or value is wrong: those far away would leave no
+# room for the others.  Shares of the range of the rows that are used.
+BEYOND, MARGIN = 0.3, 0.05
 
 
 def log_panels(log: WinderLog) -> list[Panel]:
     """Return a panel of each quantity over the radius: rows, means of the bins, rows left out.
 
-    Of many rows some are drawn, evenly spaced in the order of the log.
+    Of many rows some are drawn, evenly spaced in the order of the log; none that is left out and
+    far from the others.
     """
     bins = log.bins
+    r = bins.raw_radius
+    radii = _ends(r, bins.is_used)
     panels = []
     for name, raw, mean, scatter in zip(bins.names, bins.raw, bins.mean, bins.scatter, strict=True):
-        known = np.isfinite(raw) & np.isfinite(bins.raw_radius)
+        low, high = _ends(raw, bins.is_used)
+        known = (raw >= low) & (raw <= high) & (r >= radii[0]) & (r <= radii[1])
         points = [
             Curve(
                 "",
-                *_thinned(bins.raw_radius, raw, known & chosen),
+                *_thinned(r, raw, known & chosen),
                 label=label,
                 colour=colour,
                 opacity=opacity,
@@ -59,8 +67,8 @@ def log_panels(log: WinderLog) -> list[Panel]:
         panels.append(
             Panel(
                 name,
-                Axis("radius", quantity_of(RollResult, "radius")),
-                named_axis(name, log.quantities[name]),
+                Axis("radius", quantity_of(RollResult, "radius"), limits=radii),
+                replace(named_axis(name, log.quantities[name]), limits=(low, high)),
                 curves=(*points, means),
                 column="log",
                 height=2.4,
@@ -88,10 +96,11 @@ def stack_panels(fit: StackFit) -> list[Panel]:
             colour=colour,
             line="none",
             marker="point",
+            opacity=0.5,
         )
         for chosen, label, colour in (
             (~test.is_used, "rows left out", "sky"),
-            (test.is_used, "rows", "ink"),
+            (test.is_used, "rows", "soft"),
         )
         if chosen.any()
     ]
@@ -102,7 +111,7 @@ def stack_panels(fit: StackFit) -> list[Panel]:
         strains = each.origin + each.law.strain_at(grid)
         laws.append(Curve(each.name, strains, grid, label=label, colour=colour, line=line))
         modulus = each.law.modulus(grid)
-        moduli.append(Curve(each.name, grid, modulus, colour=colour, line=line, in_legend=False))
+        moduli.append(Curve(each.name, grid, modulus, label=label, colour=colour, line=line))
     return [
         Panel(
             "strain",
@@ -110,7 +119,7 @@ def stack_panels(fit: StackFit) -> list[Panel]:
             Axis("pressure", pressure),
             curves=(*points, *laws),
             width=4.4,
-            legend="stacked",
+            legend="figure right",
         ),
         Panel(
             "modulus",
@@ -118,8 +127,19 @@ def stack_panels(fit: StackFit) -> list[Panel]:
             Axis("modulus $E_r$", stress("E_r", "radial modulus", "MPa")),
             curves=tuple(moduli),
             width=4.4,
+            legend="figure right",
         ),
     ]
+
+
+def _ends(values: Array, used: Array) -> Limits:
+    """Return the ends of an axis on which all rows that are used are seen, and others near them."""
+    kept = values[used & np.isfinite(values)]
+    room = BEYOND * (kept.max() - kept.min())
+    near = values[(values >= kept.min() - room) & (values <= kept.max() + room)]
+    low, high = near.min(), near.max()
+    margin = MARGIN * (high - low or abs(high) or 1.0)  # [SI] around a single value
+    return float(low - margin), float(high + margin)
 
 
 def _thinned(x: Array, y: Array, chosen: Array) -> tuple[Array, Array]:

@@ -11,8 +11,8 @@ from ..elasticity.prony_fit import complex_modulus, fit_dynamic_moduli
 from ..elasticity.relaxation import modulus_ratio
 from ..problems.materials import Material
 from ..problems.measured_moduli import DynamicTest, frequency_quantity
-from ..quantities import pure, stress
-from ..studies.master_curve import TEMPERATURE, MasterCurve
+from ..quantities import Quantity, pure, stress
+from ..studies.master_curve import MasterCurve
 from .panels import SERIES, Axis, Curve, Mark, Panel
 
 __all__ = ["master_curve_panels", "moduli"]
@@ -45,7 +45,7 @@ def moduli(result: Any) -> Panel:
             where = name if len(relaxing) == 1 else f"{name}, material {k + 1}"
             colour = SERIES[sum(each.line == "dashed" for each in curves) % len(SERIES)]
             curves += _moduli_of(material, where, colour, lowest)
-    mark = Mark("y", lowest, label="V/2a", colour="ink", line="dotted")
+    mark = Mark("y", lowest, label="V/2a", colour="ink", line="dotted", alone=False)
     return Panel(
         "moduli",
         Axis("Frequency $f$", FREQUENCY, log=True),
@@ -125,11 +125,12 @@ def _shifted_moduli(curve: MasterCurve) -> Panel:
                     "isotherm",
                     curve.frequency[rows],
                     values[rows],
-                    label=f"$T$ = {T:.4g}",
+                    label=f"$T$ = {T:.4g} {curve.scale}",
                     colour=SERIES[k % len(SERIES)],
                     line="none",
                     marker=MARKERS[k % len(MARKERS)],
                     in_legend=is_storage,
+                    opacity=0.5,
                 )
             )
     fit = fit_dynamic_moduli(curve.frequency, curve.storage_modulus, curve.loss_modulus)
@@ -142,7 +143,7 @@ def _shifted_moduli(curve: MasterCurve) -> Panel:
     return Panel(
         "moduli",
         Axis("Shifted frequency $a f$", FREQUENCY, log=True),
-        Axis(f"Moduli at $T$ = {curve.reference_temperature:g}", MODULUS, log=True),
+        Axis(f"Moduli at {curve.reference_temperature:g} {curve.scale}", MODULUS, log=True),
         curves=tuple(curves),
         legend="right",
         width=6.6,
@@ -166,7 +167,7 @@ def _shifts(curve: MasterCurve) -> Panel:
     line = Curve("law", T, curve.shift_at(T), label=law, colour="ink", width=1.0)
     return Panel(
         "shifts",
-        Axis("Temperature $T$", TEMPERATURE),
+        Axis("Temperature $T$", Quantity("T", curve.scale, "temperature")),
         Axis("Shift factor $log10 a$", pure("log10 a", "shift factor")),
         curves=(points, line),
         width=4.2,

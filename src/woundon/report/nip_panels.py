@@ -268,7 +268,15 @@ def contacts_tension(result: NipResult) -> Panel:
     T, sticks = result.tension[on_roll], result.roll_zone[on_roll] == 0
     tension, WOT = quantity_of(result, "tension"), quantity_of(result, "wound_on_tension")
     curves = (
-        Curve("tension", theta, T, symbol=tension.symbol, label="slips on the roll", colour="web"),
+        Curve(
+            "tension",
+            theta,
+            T,
+            symbol=tension.symbol,
+            label="slips on the roll",
+            colour="web",
+            line="dashed",
+        ),
         Curve(
             "tension",
             theta,
@@ -279,7 +287,10 @@ def contacts_tension(result: NipResult) -> Panel:
         ),
     )
     marks = [Mark("x", result.wound_on_tension, label="wound-on tension", symbol=WOT.symbol)]
-    marks += [Mark("y", contact.angle, line="dotted", alone=False) for contact in result.contacts]
+    marks += [
+        Mark("y", contact.angle, label="" if k else "nips", line="dotted", alone=False)
+        for k, contact in enumerate(result.contacts)
+    ]
     return Panel(
         "contacts_tension",
         Axis("Angle from the first nip $theta$", quantity_of(result, "slip_angle")),

@@ -20,6 +20,8 @@ Array = np.ndarray
 POINTS = 121  # of a circle
 STRAIGHT = 1.2  # length of the web upstream of the rear drum, in radii of this drum
 MARGIN = 0.04  # around the bodies, of the width of the drawing
+WIDTH, TALLEST = 3.9, 4.0  # inches of the drawing, without its legend and the labels of its axes
+LABELS = 0.6  # inches, below the drawing
 
 
 def winder_panel(result: WindingResult) -> Panel:
@@ -50,8 +52,7 @@ def winder_panel(result: WindingResult) -> Panel:
         title="Winder, to scale",
         curves=tuple(curves),
         to_scale=True,
-        width=4.6,
-        height=4.6 * (y_ends[1] - y_ends[0]) / (x_ends[1] - x_ends[0]),
+        height=min(WIDTH * (y_ends[1] - y_ends[0]) / (x_ends[1] - x_ends[0]), TALLEST) + LABELS,
         legend="right",
     )
 
@@ -74,7 +75,7 @@ def between_panel(result: WindingResult) -> Panel:
             curves.append(Curve(output, r, values, label=label, colour=colour, line=line))
     y = Axis("Tension", quantity_of(result, "wound_on_tension"), from_zero=True)
     title = "Tension between the nips"
-    place: dict[str, Any] = {"column": "between", "legend": "right"}
+    place: dict[str, Any] = {"column": "winder", "legend": "right"}  # below the drawing
     return over_radius(result.radius, "between", title, y, curves, height=3.0, **place)
 
 

@@ -126,7 +126,7 @@ def loads(result: WindingResult) -> Panel:
         curves += [
             Curve("", r, loads.front_load, "P_2", "front drum", "green"),
             Curve("", r, loads.rider_load, "P_3", "rider", "purple"),
-            Curve("", r, loads.front_force, "F_2", "front drum", "amber", "dashed"),
+            Curve("", r, loads.front_force, "F_2", "front drum", "ink", "dotted"),
         ]
     y = Axis("Load", quantity_of(result, "nip_load"))
     return over_radius(r, "loads", "Nip load and winding force", y, curves)

@@ -90,6 +90,8 @@ def winding_report(result: WindingResult) -> list[Part]:
     )
     law = problem.tension_law if isinstance(problem.tension_law, str) else "table"
     text = LAWS.get(law, "") if law != "nip" else BODIES[problem.roll_body]
+    if law == "friction" and problem.winder is not None:
+        text = "Wound-on tension of slip in all nips."
     if law == "table":
         text = "Wound-on tension as prescribed over the radius."
     means = ["mean_wound_on_tension", "mean_nip_induced_tension"]

@@ -63,7 +63,7 @@ class MasterCurve(Outcome):
     reference_temperature : float
         T_ref at which the moduli hold, in the scale of the isotherms.
     temperatures : (m,) array
-        Of the isotherms, rising; degC or K.
+        Of the isotherms, rising.
     shifts, errors : (m,) arrays
         log10 a(T) relative to T_ref, and their standard errors.  An isotherm measured at f gives
         the moduli at a f and T_ref.
@@ -75,6 +75,8 @@ class MasterCurve(Outcome):
         Root mean square of the relative residuals of the Prony series that follows all points [1].
     wlf : (C1, C2), optional
         Constants of the law of Williams, Landel and Ferry at T_ref [1], [K]; None for free shifts.
+    scale : {"degC", "K"}
+        Of all temperatures; degC if they were plain numbers.
 
     Examples
     --------
@@ -101,12 +103,13 @@ class MasterCurve(Outcome):
     isotherm: Array
     misfit: float
     wlf: tuple[float, float] | None = None
+    scale: str = "degC"
 
     def __repr__(self) -> str:
         low, high = self.frequency[[0, -1]]
         return (
             f"MasterCurve({self.temperatures.size} isotherms, {low:.3g} to {high:.3g} Hz at "
-            f"{self.reference_temperature:g}, misfit {self.misfit:.2g})"
+            f"{self.reference_temperature:g} {self.scale}, misfit {self.misfit:.2g})"
         )
 
     def material(self, poissons_ratio: float | str, **options: Any) -> DynamicTest:
@@ -135,7 +138,7 @@ class MasterCurve(Outcome):
         """Return the range of the curve with its misfit, then the shift of each isotherm."""
         low, high = self.frequency[[0, -1]]
         lines = [
-            f"{low:.3g} to {high:.3g} Hz at {self.reference_temperature:g} from "
+            f"{low:.3g} to {high:.3g} Hz at {self.reference_temperature:g} {self.scale} from "
             f"{self.temperatures.size} isotherms; misfit {self.misfit:.2%} (rms)"
         ]
         if self.wlf is not None:
@@ -144,7 +147,8 @@ class MasterCurve(Outcome):
                 f"log10 a = -C1 (T - T_ref)/(C2 + T - T_ref): C1 = {C1:.4g}, C2 = {C2:.4g} K"
             )
         for k, T in enumerate(self.temperatures):
-            lines.append(f"T = {T:g}: log10 a = {self.shifts[k] + 0.0:.3f} ± {self.errors[k]:.2g}")
+            shift = f"{self.shifts[k] + 0.0:.3f} ± {self.errors[k]:.2g}"
+            lines.append(f"T = {T:g} {self.scale}: log10 a = {shift}")
         return lines
 
     def remarks(self) -> list[str]:
@@ -159,8 +163,9 @@ class MasterCurve(Outcome):
         uncertain = self.temperatures[self.errors > UNCERTAIN]
         if uncertain.size:
             found.append(
-                f"the shifts at {', '.join(f'{T:g}' for T in uncertain)} are known to more than "
-                f"{UNCERTAIN:g} decades only: measure over more decades, or at temperatures between"
+                f"the shifts at {', '.join(f'{T:g}' for T in uncertain)} {self.scale} are known to "
+                f"more than {UNCERTAIN:g} decades only: measure over more decades, or at "
+                "temperatures between"
             )
         if (np.diff(self.shifts) > 0).any():
             found.append("a hotter isotherm is shifted up: check the temperatures")
@@ -272,7 +277,7 @@ def master_curve(
     if shifts not in ("free", "wlf"):
         raise InvalidProblem.at("shifts", not_one_of(shifts, ("free", "wlf")))
     reference, scale = _temperature(reference_temperature, "reference_temperature")
-    known = _isotherms(isotherms, columns or {}, scale)
+    known, scale = _isotherms(isotherms, columns or {}, scale)
     least = 3 if shifts == "wlf" else 2
     if len(known) < least:
         text = f"{len(known)} given; must be at least {least} with shifts = {quote(shifts)}"
@@ -304,6 +309,7 @@ def master_curve(
         isotherm=isotherm[order],
         misfit=found.fit.misfit,
         wlf=wlf,
+        scale=scale,
     )
 
 
@@ -336,10 +342,13 @@ class _Rows(NamedTuple):
     scales: set[str]
 
 
-def _isotherms(tables: Any, columns: Mapping[str, str | None], scale: str) -> list[Isotherm]:
-    """Return the isotherms of one table, or of a table for each temperature, the coldest first.
+def _isotherms(
+    tables: Any, columns: Mapping[str, str | None], scale: str
+) -> tuple[list[Isotherm], str]:
+    """Return the isotherms of one table, or of a table for each temperature, and their scale.
 
-    ``scale`` is that of the reference temperature, empty if it is a plain number.
+    The coldest is the first.  ``scale`` is that of the reference temperature, empty if it is a
+    plain number.
     """
     found: list[Isotherm] = []
     if _is_by_temperature(tables):
@@ -352,18 +361,18 @@ def _isotherms(tables: Any, columns: Mapping[str, str | None], scale: str) -> li
                 text = f"{T:g} is given twice; must be different temperatures"
                 raise InvalidProblem.at("isotherms", text)
             found.append(_isotherm(T, rows, np.arange(rows.frequency.size)))
-        _check_scales(scales, "isotherms")
+        scale = _common_scale(scales, "isotherms")
     else:
         rows = _read(read_sheet(tables, "isotherms"), columns)
         if rows.temperature is None:
             raise InvalidProblem.at(rows.where, "has no column temperature; must have one [degC]")
-        _check_scales({scale, *rows.scales}, rows.where)
+        scale = _common_scale({scale, *rows.scales}, rows.where)
         # a new isotherm begins where sorted temperatures differ by more than the control's scatter
         order = np.argsort(rows.temperature, kind="stable")
         steps = np.diff(rows.temperature[order]) > SAME_TEMPERATURE
         groups = np.split(order, np.flatnonzero(steps) + 1)
         found = [_isotherm(float(rows.temperature[k].mean()), rows, k) for k in groups]
-    return sorted(found, key=lambda each: each.temperature)
+    return sorted(found, key=lambda each: each.temperature), scale
 
 
 def _is_by_temperature(tables: Any) -> bool:
@@ -406,12 +415,19 @@ def _temperature(value: Any, field: str) -> tuple[float, str]:
 _MUST = "must be in degC or K, e.g. 40.0 or '40 degC'"
 
 
-def _check_scales(scales: Iterable[str], where: str) -> None:
-    """Reject temperatures of several scales; "" is that of plain numbers."""
+def _common_scale(scales: Iterable[str], where: str) -> str:
+    """Return the scale of all temperatures; "" is that of plain numbers, which are in degC alone.
+
+    Raises
+    ------
+    InvalidProblem
+        For temperatures of several scales.
+    """
     named = sorted({*scales} - {""})
     if len(named) > 1:
         text = f"temperatures are in {' and '.join(named)}; must be in one scale, with the "
         raise InvalidProblem.at(where, f"{text}reference_temperature")
+    return named[0] if named else "degC"
 
 
 def _scales_of(column: Column, where: str) -> set[str]:

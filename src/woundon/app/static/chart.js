@@ -223,7 +223,7 @@ class Chart {
       scales: {
         x: { time: false, distr: panel.x.log ? 3 : 1, range: (_, min, max) => [min, max] },
         y: { distr: panel.y.log ? 3 : 1, range: rows ? [0, rows.length] : (_, min, max) => this.tall(min, max, yAxis) },
-        ...(panel.right ? { right: { range: (_, min, max) => padded(min, max) } } : {}),
+        ...(panel.right ? { right: { range: (_, min, max) => this.limits("right") ?? padded(min, max) } } : {}),
       },
       axes: [
         axis({ label: rows ? undefined : axisLabel(units, panel.x, wide), size: rows ? 4 : 28, show: !rows, values,
@@ -237,7 +237,7 @@ class Chart {
       ],
       series: [{}, ...(rows ? [{ show: true, stroke: "transparent", points: { show: false } }] : this.lines.map(({ one, curve }) => ({
         scale: curve.right ? "right" : "y", stroke: one.colour ?? colours()[curve.colour] ?? ink,
-        width: one.label && one.pinned ? 1.5 : 2, spanGaps: true, alpha: curve.opacity,
+        width: one.label && one.pinned ? 1.5 : 2, alpha: curve.opacity,
         ...(isDots(curve) ? DOTS : { dash: DASHES[curve.line], points: { show: false } }),
       })))],
       hooks: {
@@ -258,10 +258,11 @@ class Chart {
   }
 
   /** The range of y: of the curves, of the bounds behind them, of the marks. */
-  tall(min, max, { from_zero: fromZero, limits }) {
+  tall(min, max, { from_zero: fromZero }) {
     const { panel } = this.cases[0];
     const { factor } = this.units.of(panel.y.quantity);
-    if (limits) return limits.map((end) => end / factor);
+    const limits = this.limits("y");
+    if (limits) return limits;
     if (panel.y.log && min > 0) return [min / 1.3, max * 1.3]; // a tenth of a decade of room
     let [low, high] = [min ?? 0, max ?? 1];
     if (this.cases.length === 1) {
@@ -276,6 +277,14 @@ class Chart {
     }
     const [least, most] = padded(low, high);
     return fromZero && low >= 0 ? [0, most] : [least, most];
+  }
+
+  /** The ends of an axis that hold those of all cases, in the units that are shown; null without. */
+  limits(name) {
+    const ends = this.cases.map(({ panel }) => panel[name]?.limits).filter(Boolean);
+    if (!ends.length) return null;
+    const { factor } = this.units.of(this.cases[0].panel[name].quantity);
+    return [Math.min(...ends.map(([low]) => low)) / factor, Math.max(...ends.map(([, high]) => high)) / factor];
   }
 
   inside(plot, draw) {
@@ -518,7 +527,7 @@ export function Panel({ title, cases, units, height, theme, description }) {
         <span class="at" data-axis=${`${panel.x.label}`} data-unit=${units.text(panel.x.quantity)}></span>
         ${lines.map(({ one, curve }, k) => curve.in_legend && html`<span class="entry" key=${k}>
           <${Swatch} curve=${curve} colour=${one.colour} />
-          ${several && html`<b>${one.label} </b>`}<span class="symbol"><${Symbol} of=${curve.symbol} /></span> ${several && curve.symbol ? "" : html`<span><${Words} of=${curve.label} /></span>`}
+          ${several && html`<b>${one.label} </b>`}<span class="symbol"><${Symbol} of=${curve.symbol} /></span> ${several && curve.symbol ? "" : html`<span><${Words} of=${units.sentence(curve.label)} /></span>`}
           <output class="value" data-value=${k}></output></span>`)}
         ${!several && panel.areas.filter((area) => area.label).map((area) => html`<span class="entry"><span class=${`patch ${shadeOf(area)}`}></span>
           ${area.symmetrical ? html`<span class="symbol">±<${Symbol} of=${area.label} /></span>` : area.label}</span>`)}

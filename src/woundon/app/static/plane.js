@@ -14,7 +14,8 @@ const SEQUENTIAL = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [
 const DIVERGING = [[33, 102, 172], [146, 197, 222], [247, 247, 247], [244, 165, 130], [178, 24, 43]];
 
 /** Whether a panel is drawn here, and not as curves over x. */
-export const isPlane = (panel) => !!(panel.map || panel.to_scale || panel.discs.length || panel.note || (panel.y.limits && panel.y.limits[0] > panel.y.limits[1]));
+export const isPlane = (panel) => !!(panel.map || panel.to_scale || panel.discs.length || panel.note || (panel.y.limits && panel.y.limits[0] > panel.y.limits[1])
+  || panel.curves.some(({ x }) => x.length > 1 && x.every((value) => value === x[0]))); // an upright line is no curve over x
 
 /** The colour of a value on a scale: red, green, blue. */
 function colourAt(value, { axis: { limits: [low, high] }, palette }) {
@@ -214,8 +215,8 @@ export function Plane({ title, cases, units, height, theme, description }) {
   }, [cases, units, theme]);
   const several = cases.length > 1;
   return html`<figure class="panel" data-panel=${panel.name}><figcaption><h3>${title}</h3><div class="legend">
-      ${linesOf(cases).map(({ one, curve }) => html`<span class="entry"><${Swatch} curve=${curve} colour=${one.colour} />
-        ${several && html`<b>${one.label} </b>`}<span class="symbol"><${Symbol} of=${curve.symbol} /></span> <span><${Words} of=${curve.label} /></span></span>`)}
+      ${linesOf(cases).filter(({ curve }) => curve.in_legend).map(({ one, curve }) => html`<span class="entry"><${Swatch} curve=${curve} colour=${one.colour} />
+        ${several && html`<b>${one.label} </b>`}<span class="symbol"><${Symbol} of=${curve.symbol} /></span> <span><${Words} of=${units.sentence(curve.label)} /></span></span>`)}
       ${(panel.map?.contours ?? []).map((one) => html`<span class="entry"><${Swatch} curve=${{ line: "solid", colour: "ink" }} />${one.label}</span>`)}
       ${panel.scale && html`<span class="entry">${panel.scale.axis.label}</span>`}
     </div></figcaption>

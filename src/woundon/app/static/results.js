@@ -166,7 +166,7 @@ function cells(panels) {
 }
 
 export function OnePanel({ store, name, cases, title, height = 200, tables = store.state.tables }) {
-  const words = title ?? cases[0].panel.title;
+  const words = store.units.sentence(title ?? cases[0].panel.title);
   const shown = words.charAt(0).toUpperCase() + words.slice(1);
   const lines = cases[0].panel.curves.map((curve) => `${symbolText(curve.symbol)} ${wordsText(curve.label)}`).join(", ");
   const Drawn = isPlane(cases[0].panel) ? Plane : Panel;
