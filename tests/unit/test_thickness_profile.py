@@ -181,8 +181,14 @@ def test_a_scan_with_a_gap_is_rejected(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "words"),
     [
-        ("position [mm],thickness [%]\n0,99.8\n10,100.2\n", "column 'thickness [%]': '%' has the w"),
-        ("position [mm],thickness [um]\n0,66\n10,100 %\n", "row 3, column 'thickness [um]': '100 %"),
+        (
+            "position [mm],thickness [%]\n0,99.8\n10,100.2\n",
+            "column 'thickness [%]': '%' has the w",
+        ),
+        (
+            "position [mm],thickness [um]\n0,66\n10,100 %\n",
+            "row 3, column 'thickness [um]': '100 %",
+        ),
         ("position [mm],thickness [um]\n0,66\n10,660\n", "thickness.0: 6.6e-05 is out of range"),
         ("thickness [um]\n66\n66\n", "has no column position"),
         ("position [mm],slack [%]\n0,0\n10,0\n", "has no column thickness"),
