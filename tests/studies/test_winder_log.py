@@ -264,6 +264,27 @@ def test_the_number_of_bins_is_checked(tmp_path: Path, bins):
         wo.load_case(tmp_path / "case.toml")
 
 
+def test_a_header_may_be_called_log(tmp_path: Path):
+    """The headers in ``columns`` are no names of files."""
+    radius = growing(99)
+    written(tmp_path / "winder.csv", {"csv": radius, "log": tension(radius)})
+    case = tomllib.loads(template("winding"))
+    columns = {"csv": "radius [m]", "log": "web_tension [N/m]"}
+    case["web_tension"] = {"log": "winder.csv", "columns": columns}
+    (tmp_path / "case.toml").write_text(toml(case), encoding="utf-8")
+    with pytest.warns(wo.InputWarning, match="99 rows"):
+        problem = wo.load_case(tmp_path / "case.toml")
+    assert float(problem.web_tension.at(0.3)) == pytest.approx(float(tension(0.3)), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["", 3, ["winder.csv"]])
+def test_a_log_without_a_name_is_rejected(tmp_path: Path, name):
+    case = tomllib.loads(template("winding")) | {"web_tension": {"log": name}}
+    (tmp_path / "case.toml").write_text(toml(case), encoding="utf-8")
+    with pytest.raises(InvalidProblem, match=r"^web_tension\.log: .* must be the name of a file"):
+        wo.load_case(tmp_path / "case.toml")
+
+
 def test_a_log_stands_only_where_a_profile_may(tmp_path: Path):
     written(tmp_path / "winder.csv", {"radius [m]": growing(50), "x [m]": growing(50)})
     text = template("roll") + '\n[core]\nlog = "winder.csv"\n'

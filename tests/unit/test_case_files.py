@@ -210,6 +210,22 @@ def test_a_field_in_two_places_is_rejected():
 KINDS = ["nip", "rollers"]
 
 
+@pytest.mark.parametrize("kind", ["nip", "rollers", "roll", "winding"])
+def test_fields_of_a_template_that_are_not_set_are_described(kind):
+    lines = [line for line in template(kind).splitlines() if " = ..." in line]
+    assert lines
+    assert not [line for line in lines if "#" not in line.removeprefix("#")]
+
+
+def test_tables_of_a_template_that_are_not_set_are_called_tables():
+    text = " ".join(template("winding").replace("#", " ").split())
+    assert "winder = ... front drum and rider of a two-drum winder; a table of its fields" in text
+    assert "thickness_profile = ... thickness of the web across its width; a table" in text
+    assert "material = ... a name ('woundon materials' lists them), or a table of its" in text
+    text = " ".join(template("nip").replace("#", " ").split())
+    assert "next_nips = ... further nips of the laid web, in its direction; tables of" in text
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_template_is_a_case_ready_to_run(kind):
     example = kinds.named(kind).problem.example()

@@ -51,6 +51,12 @@ CASES: dict[str, tuple[wo.Problem, dict[str, Any]]] = {
     ),
     "rollers, creepage": (ROLLERS.replace(tangential_load=None, creepage=1e-3), {"nodes": 41}),
     "roll": (wo.RollProblem.example(), {}),
+    "roll with lanes": (
+        wo.RollProblem.example().replace(
+            thickness_profile=wo.ThicknessProfile(position=[0, 1, 2], thickness=[1, 1.005, 1])
+        ),
+        {"lanes": 4},
+    ),
     "winding": (WINDING, COARSE),
     "winding with air": (
         WINDING.replace(web_speed=20.0, air=wo.Air(roughness=0.3e-6)), COARSE

@@ -11,6 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import woundon as wo
+from woundon.io.case_files import apply_settings, read_case
 from woundon.io.chosen_units import units_of
 from woundon.report.lane_panels import lane_panels
 
@@ -179,6 +180,56 @@ def test_a_scan_with_a_gap_is_rejected(tmp_path):
         wo.load_case(tmp_path / "roll.toml")
 
 
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        (
+            "position [mm],thickness [%]\n0,99.8\n10,100.2\n",
+            "column 'thickness [%]': '%' has the w",
+        ),
+        (
+            "position [mm],thickness [um]\n0,66\n10,100 %\n",
+            "row 3, column 'thickness [um]': '100 %",
+        ),
+        ("position [mm],thickness [um]\n0,66\n10,660\n", "thickness.0: 6.6e-05 is out of range"),
+        ("thickness [um]\n66\n66\n", "has no column position"),
+        ("position [mm],slack [%]\n0,0\n10,0\n", "has no column thickness"),
+    ],
+)
+def test_errors_of_a_scan_name_the_file(tmp_path, rows, words):
+    """Errors of the values themselves are those of the fields in a case file."""
+    path = tmp_path / "scan.csv"
+    path.write_text(rows)
+    with pytest.raises(wo.InvalidProblem, match=re.escape(f"{path}: {words}")):
+        wo.read_thickness_profile(path)
+    (tmp_path / "roll.toml").write_text(CASE)
+    place = "thickness_profile." if "out of range" in words else f"{path}: "
+    with pytest.raises(wo.InvalidProblem, match=re.escape(f"{place}{words}")):
+        wo.load_case(tmp_path / "roll.toml")
+
+
+def test_the_range_of_a_relative_thickness_has_no_unit():
+    with pytest.raises(wo.InvalidProblem, match=r">= 0\.875 and <= 2\.625, 0\.5 to 1\.5 of"):
+        wo.ThicknessProfile(position=[0, 1, 2], thickness=[1, 1, 4])
+    with pytest.raises(wo.InvalidProblem, match=r"<= 0\.0001493 \[m\], 0\.5 to 1\.5 of"):
+        wo.ThicknessProfile(position=[0, 1, 2], thickness=["66 um", "66 um", "200 um"])
+
+
+@pytest.mark.parametrize("name", ['""', "3", '["scan.csv"]'])
+def test_a_file_without_a_name_is_rejected(tmp_path, name):
+    (tmp_path / "roll.toml").write_text(CASE.replace('"scan.csv"', name))
+    with pytest.raises(wo.InvalidProblem, match=r"^thickness_profile\.csv: .* the name of a file"):
+        wo.load_case(tmp_path / "roll.toml")
+
+
+def test_a_file_is_not_set_on_the_command_line(tmp_path):
+    (tmp_path / "scan.csv").write_text("position [mm],thickness [um]\n0,66\n10,66\n")
+    (tmp_path / "roll.toml").write_text(CASE)
+    setting = "thickness_profile.csv=scan.csv"
+    with pytest.raises(wo.InvalidProblem, match=r"^thickness_profile\.csv: names a file"):
+        apply_settings(read_case(tmp_path / "roll.toml"), [setting])
+
+
 @pytest.mark.parametrize("path", [None, 3, ["scan.csv"]])
 def test_a_path_of_another_type_is_rejected(path):
     with pytest.raises(wo.InvalidProblem, match=r"^path: .*; must be a str or PathLike"):
@@ -221,12 +272,6 @@ def test_scans_with_different_positions_are_rejected(tmp_path, rows, message):
     (tmp_path / "scans.csv").write_text(f"position [mm],thickness [um]\n{rows}\n")
     with pytest.raises(wo.InvalidProblem, match=rf"scans\.csv: position: {message}"):
         wo.read_thickness_profile(tmp_path / "scans.csv")
-
-
-def test_a_table_without_thickness_is_rejected(tmp_path):
-    (tmp_path / "scan.csv").write_text("position [mm]\n0\n10\n")
-    with pytest.raises(wo.InvalidProblem, match="thickness: missing"):
-        wo.read_thickness_profile(tmp_path / "scan.csv")
 
 
 # ---- results ------------------------------------------------------------------------------------

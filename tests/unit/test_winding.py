@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import pickle
 import re
 import warnings
 from collections.abc import Callable
+from copy import deepcopy
 from functools import cache
 from typing import Any
 
@@ -231,6 +233,17 @@ def test_warnings_of_nips_state_their_radii_in_the_unit_of_the_report():
     radii = re.search(r"nip at the radius ([\d.]+) mm and \d+ more up to ([\d.]+) mm: ", text)
     assert radii is not None, text
     assert 50.0 <= float(radii[1]) < float(radii[2]) <= 53.0  # from the core to the surface
+
+
+@pytest.mark.parametrize("copied", [deepcopy, lambda run: pickle.loads(pickle.dumps(run))])
+def test_the_report_of_a_copy_states_what_it_lacks(copied: Callable[[Any], Any]):
+    """The solved nips are a hundred times as large as the rest, and not in a copy or a file."""
+    whole, rest = str(wound()).splitlines(), str(copied(wound())).splitlines()
+    differ = [line for line in rest if line not in whole]
+    text = " ".join(" ".join(differ).split())
+    assert "The web slips forward under" in " ".join(" ".join(whole).split())
+    assert "sticks in the nips is not saved with a result: solve the problem again" in text
+    assert len(differ) <= 3  # of the paragraph with this text
 
 
 def test_the_interpolation_error_is_reported():

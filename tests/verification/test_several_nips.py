@@ -148,6 +148,15 @@ def test_a_light_nip_adds_nothing() -> None:
     assert np.ptp(closed) < 1e-3 * alone
 
 
+def test_a_load_without_a_contact_is_explained_for_each_nip() -> None:
+    """The web is no thin strip in so narrow a nip: a nip alone has no solution either."""
+    reason = "this is far outside the model: a nip width of about"
+    with pytest.raises(wo.NotConverged, match=f"nip 2: {reason}"):
+        wo.solve(two(load=1e-12), nodes=33)
+    with pytest.raises(wo.NotConverged, match=f"; {reason}"):
+        wo.solve(NEWSPRINT.replace(nip_load=1e-12), nodes=33)
+
+
 def test_a_layer_that_sticks_on_a_half_plane_keeps_its_strain() -> None:
     """No ring is squeezed: E is conserved; third program 412.33 -> 412.39 N/m."""
     roll = wo.HalfPlane(radius=NEWSPRINT.roll.radius, material=NEWSPRINT.roll.material)

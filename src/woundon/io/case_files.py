@@ -22,7 +22,7 @@ from ..problems.messages import check_names, quote
 from ..problems.paths import counterpart, parts_of, set_in_tables
 from ..problems.problem import Problem
 from .case_texts import SCHEMA, template, to_toml
-from .columns import with_columns
+from .columns import FILE_KEYS, with_columns
 from .files import read_whole
 
 __all__ = [
@@ -219,6 +219,9 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
             raise InvalidProblem.at(setting, text)
         if len(parts) > MAX_DEPTH:
             text = f"a name of {len(parts)} parts; must have at most {MAX_DEPTH}"
+            raise InvalidProblem.at(path.strip(), text)
+        if len(parts) > 1 and parts[-1] in FILE_KEYS:
+            text = "names a file, which is read for a case file only; name it there, or set lists"
             raise InvalidProblem.at(path.strip(), text)
         model = _kind_of([*changed, parts[0]]).problem  # the new name may determine the kind
         if len(parts) == 1:

@@ -19,11 +19,11 @@ from ..errors import InvalidProblem, one_of
 from ..problems.description import Description, is_unset
 from ..problems.family import Family
 from ..problems.grades import grade, grades, states_all
-from ..problems.materials import MATERIALS
+from ..problems.materials import MATERIALS, Material
 from ..problems.permitted import bounds, requirement
 from ..problems.problem import Problem
 from ..problems.units import text_with_unit
-from ..quantities import Quantity, members_of, quantity_of
+from ..quantities import Quantity, is_list, members_of, quantity_of
 from .files import write_whole
 
 __all__ = [
@@ -40,6 +40,8 @@ __all__ = [
 
 SCHEMA = 1
 UNSET = "..."  # in place of the value of an optional field that is not set
+_TABLE, _TABLES = "a table of its fields", "tables of their fields"
+_NAME_OR_TABLE = f"a name ('woundon materials' lists them), or {_TABLE}"
 _WIDTH = 100
 _LONGEST_ALIGNED = 24  # characters of a value; the comment of a longer one starts further right
 _UNBREAKABLE = "\N{NO-BREAK SPACE}"  # in a comment, where a line must not be broken
@@ -317,10 +319,9 @@ class _Writer:
         """
         value, info = getattr(thing, name), type(thing).model_fields[name]
         if is_unset(value):
-            return Row(name, UNSET, field_comment(info))
+            return Row(name, UNSET, _comment_of_unset(info, of_field))
         if isinstance(value, Description):
-            comment = "a name ('woundon materials' lists them), or a table of its fields"
-            return Row(name, toml_value(material_name(value)), comment)
+            return Row(name, toml_value(material_name(value)), _NAME_OR_TABLE)
         return Row(name, toml_value(value, quantity_of(info, of_field)), field_comment(info))
 
     def kind_row(self, thing: Family, holder: FieldInfo) -> Row:
@@ -441,6 +442,17 @@ def field_comment(field: FieldInfo) -> str:
         text += f"{comma} {ranges.replace(' ', _UNBREAKABLE).replace(f'{_UNBREAKABLE}(', ' (')}"
     note = requirement(field)
     return text if not note or note.startswith("default") else f"{text}; {note}"
+
+
+def _comment_of_unset(field: FieldInfo, of_field: Quantity | None) -> str:
+    """Return the comment of a field that is not set, which states whether it is a table."""
+    comment, members = field_comment(field), members_of(field.annotation)
+    if quantity_of(field, of_field) is not None or not members:
+        return comment
+    form = _TABLES if is_list(field.annotation) else _TABLE
+    if any(issubclass(member, Material) for member in members):
+        form = _NAME_OR_TABLE
+    return "; ".join(filter(None, (comment, form)))
 
 
 def field_ranges(field: FieldInfo, quantity: Quantity, with_unit: bool = True) -> str:

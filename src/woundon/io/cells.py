@@ -22,7 +22,7 @@ from pydantic import BaseModel
 from ..errors import InvalidProblem
 from ..problems.inputs import Inputs, other_units, read_number
 from ..problems.messages import quote
-from ..problems.units import factor, has_dimension, is_unit
+from ..problems.units import factor, has_dimension, is_unit, parse
 from ..quantities import Quantity
 from .sheets import Sheet
 from .spreadsheets import Percentage, Thousands
@@ -258,7 +258,10 @@ def texts(
     for column in columns:
         lists.append([])
         try:
-            _check_unit(column, _number_of(column, names), assignable=False)
+            quantity = _number_of(column, names)
+            _check_unit(column, quantity, assignable=False)
+            if column.unit and not _has_unit_of(f"1 {column.unit}", quantity):
+                factor(column.unit, quantity.unit, "")  # raises the error
         except InvalidProblem as fault:
             faults.append(_column_fault(sheet, column, fault))
             continue
@@ -266,7 +269,10 @@ def texts(
             if len(faults) >= MAX_COUNTED:
                 break
             try:
-                lists[-1].append(_with_unit(_plain_text(cell, sign), column.unit))
+                text = _plain_text(cell, sign)
+                if not _NUMBER.fullmatch(text) and not _has_unit_of(text, quantity):
+                    parse(text, quantity.unit, "")  # raises the error
+                lists[-1].append(_with_unit(text, column.unit))
             except InvalidProblem as fault:
                 faults.append(_cell_fault(sheet, column, row, fault))
     return lists
@@ -309,6 +315,12 @@ def _check_unit(column: Column, quantity: Quantity, *, assignable: bool = True) 
         f"{{{column.header!r}: {header!r}}} or "
         f"--column {shlex.quote(f'{column.header}={header}')}"
     )
+
+
+def _has_unit_of(text: str, quantity: Quantity) -> bool:
+    """Return True if a number has a unit in which a quantity may be entered."""
+    units = (quantity.unit, *other_units(quantity))
+    return any(has_dimension(text, unit) for unit in units)
 
 
 def _scale(

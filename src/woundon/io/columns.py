@@ -11,9 +11,11 @@ read like any table (:mod:`.sheets`).  A log is averaged over the radius (:mod:`
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
+
+from pydantic.fields import FieldInfo
 
 from ..arguments import whole_number
 from ..errors import InputWarning, InvalidProblem, one_of, warn
@@ -29,9 +31,10 @@ from .logs import MOST_BINS, read_binned
 from .sheets import read_sheet
 from .tables import Names, is_known_header, match_columns
 
-__all__ = ["read_columns", "with_columns"]
+__all__ = ["FILE_KEYS", "read_columns", "with_columns"]
 
 MAX_ROWS = 100_000
+FILE_KEYS = ("csv", "log")  # of a file in place of the lists of a table
 TEST_ARGUMENTS = ("area", "height", "offset", "preload", "branch")  # of a compression test
 
 
@@ -70,16 +73,24 @@ class _Files(NamedTuple):
             return [self.replaced(item, f"{path}.{k}") for k, item in enumerate(part)]
         if not isinstance(part, Mapping):
             return part
+        kinds = [kind for kind in FILE_KEYS if path and kind in part]
         # the tables themselves have no name: theirs begin without a dot
         table = {
-            name: self.replaced(value, f"{path}.{name}".lstrip(".")) for name, value in part.items()
+            # headers of the file are no names of fields, and may be csv or log
+            name: value
+            if kinds and name == "columns"
+            else self.replaced(value, f"{path}.{name}".lstrip("."))
+            for name, value in part.items()
         }
-        kinds = [kind for kind in ("csv", "log") if isinstance(table.get(kind), str)]
-        if not kinds or not path:
+        if not kinds:
             return table
         if len(kinds) > 1:
             raise InvalidProblem.at(path, "has csv and log; must have one of them")
-        file = self.folder / table.pop(kinds[0])
+        name_of_file = table.pop(kinds[0])
+        if not isinstance(name_of_file, str) or not name_of_file.strip():
+            text = f"{quote(name_of_file)} is out of place; must be the name of a file"
+            raise InvalidProblem.at(f"{path}.{kinds[0]}", text)
+        file = self.folder / name_of_file
         columns = table.pop("columns", None)
         if columns is not None and not isinstance(columns, Mapping):
             text = f"{quote(columns)} must be a table, {{'Header' = 'name [unit]'}}"
@@ -102,7 +113,12 @@ class _Files(NamedTuple):
             kind = f" with kind = {quote(table['kind'])}" if "kind" in table else ""
             text = f"is named in [{path}], which has no lists of numbers{kind}"
             raise InvalidProblem.at(str(file), text)
-        return read_columns(file, known, columns)
+        found = read_columns(file, known, columns)
+        missing = _missing_lists(self.problem(), path, table.get("kind"), {*found, *table})
+        if missing:
+            text = f"has no column {one_of(missing, 'and')}, which [{path}] needs"
+            raise InvalidProblem.at(str(file), text)
+        return found
 
     def _stack_test(
         self, file: Path, path: str, table: dict[str, Any], columns: Mapping[str, str] | None
@@ -161,19 +177,47 @@ def _lists(problem: type, path: str, kind: Any) -> dict[str, Quantity]:
         Kind of the description in the table, if the table states it.
     """
     known: dict[str, Quantity] = {}
+    for member, lists, quantity in _members_with_lists(problem, path, kind):
+        # a column of diameters may stand for one of radii; None for other names
+        diameters = [counterpart(name, "radius") for name in lists]
+        for name in filter(None, (*lists, *diameters)):
+            for field in find_places(member, name, quantity):
+                if field.quantity is not None:
+                    known[name] = field.quantity
+    return known
+
+
+def _missing_lists(problem: type, path: str, kind: Any, given: set[str]) -> list[str]:
+    """Return the required lists of a table that are not given; [] if one of its kinds needs none.
+
+    Parameters as of :func:`_lists`; ``given`` are the names in the table and in its file.
+    """
+    of_kinds = [
+        [
+            name
+            for name, field in lists.items()
+            if field.is_required() and not given & {name, counterpart(name, "radius")}
+        ]
+        for _, lists, _ in _members_with_lists(problem, path, kind)
+    ]
+    return of_kinds[0] if of_kinds and all(of_kinds) else []
+
+
+def _members_with_lists(
+    problem: type, path: str, kind: Any
+) -> Iterator[tuple[type, dict[str, FieldInfo], Quantity | None]]:
+    """Yield the descriptions that a table may be and that have lists of numbers.
+
+    With each its fields that are lists, by name, and the quantity of the field that holds it.
+    """
     for place in find_places(problem, path):
         for member in members_of(place.field.annotation):
             if kind is not None and kind != _kind_of(member):
                 continue
-            fields: Mapping[str, Any] = getattr(member, "model_fields", {})
-            lists = [name for name, field in fields.items() if is_list(field.annotation)]
-            # a column of diameters may stand for one of radii; None for other names
-            diameters = [counterpart(name, "radius") for name in lists]
-            for name in filter(None, (*lists, *diameters)):
-                for field in find_places(member, name, place.quantity):
-                    if field.quantity is not None:
-                        known[name] = field.quantity
-    return known
+            fields: Mapping[str, FieldInfo] = getattr(member, "model_fields", {})
+            lists = {name: field for name, field in fields.items() if is_list(field.annotation)}
+            if lists:
+                yield member, lists, place.quantity
 
 
 def _kind_of(member: Any) -> str | None:

@@ -9,7 +9,7 @@ from typing import NoReturn
 import numpy as np
 
 from ..arguments import check_type
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, one_of
 from ..problems.thickness_profile import ThicknessProfile
 from ..problems.units import has_dimension, parse
 from ..quantities import Quantity, walk
@@ -63,9 +63,10 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
     columns = read_columns(Path(path), known)
     values = {name: _numbers(cells, known[name]) for name, cells in columns.items()}
     is_weight = any(has_dimension(cell, WEIGHT) for cell in columns.get("thickness", []))
-    # a column that is missing is reported by the profile
-    if not {"position", "thickness"} <= values.keys():
-        return ThicknessProfile(**{name: cells.tolist() for name, cells in values.items()})
+    missing = [name for name in ("position", "thickness") if name not in values]
+    if missing:
+        text = f"has no column {one_of(missing, 'or')}; must have position and thickness"
+        raise InvalidProblem.at(str(path), text)
     position, scan = np.unique(values["position"], return_inverse=True)
     counts = np.bincount(scan)
     means = {
@@ -81,9 +82,11 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
     # with one scan the order of the rows is kept, so that the profile rejects an unsorted one
     places = position if counts.max() > 1 else values["position"]
     ordered = means if counts.max() > 1 else {name: values[name] for name in means}
-    profile = ThicknessProfile(
-        position=places.tolist(), **{name: cells.tolist() for name, cells in ordered.items()}
-    )
+    lists = {name: cells.tolist() for name, cells in {"position": places, **ordered}.items()}
+    try:
+        profile = ThicknessProfile(**lists)
+    except InvalidProblem as fault:
+        raise InvalidProblem((f"{path}: {field}", text) for field, text in fault.faults) from None
     if not is_weight:
         return profile
     relative = {name: ordered[name] / profile.mean for name in RELATIVE if name in ordered}

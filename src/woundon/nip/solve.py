@@ -40,7 +40,7 @@ from .equations import NipEquations
 from .load_limit import bending_text, check_load
 from .outputs import SLIP_RATIOS, NipSystem, error_estimates
 from .result import NipResult
-from .several_nips import SeveralNips, check_nips, system_of
+from .several_nips import SeveralNips, check_nips, single_nips, system_of
 from .validity import nip_warnings, web_far_outside
 
 __all__ = ["check_options", "solve_nip", "solve_with_film"]
@@ -307,14 +307,19 @@ def _tolerances(problem: NipProblem, rtol: float) -> Tolerances:
 
 def _outside_model(problem: Any) -> str:
     """Return a text on what is far outside the model, or at its limit, in an unsolved case."""
-    load = problem.nip_load
-    width = 2 * half_width_guess(load, *problem.bodies)
-    texts = (
-        *web_far_outside(problem, width),
-        *far_outside(problem, load),
-        bending_text(problem, load),
-    )
-    return "; ".join(filter(None, texts))
+    texts: list[str] = []
+    alone = single_nips(problem).problems if problem.next_nips else (problem,)
+    for k, each in enumerate(alone, 1):
+        load = each.nip_load
+        width = 2 * half_width_guess(load, *each.bodies)
+        of_nip = (
+            *web_far_outside(each, width),
+            *far_outside(each, load),
+            bending_text(each, load),
+        )
+        prefix = f"nip {k}: " if k > 1 else ""
+        texts += [f"{prefix}{text}" for text in of_nip if text and text not in texts]
+    return "; ".join(texts)
 
 
 def _check_force(problem: Any) -> None:

@@ -248,7 +248,10 @@ class RollProblem(Problem):
         Field(ge=-PER_KELVIN, le=PER_KELVIN),
     ] = default(0.0)
     gauge_excess: GaugeExcess = default(0.0)
-    thickness_profile: OptionalNested[ThicknessProfile] = default(None)
+    thickness_profile: Annotated[
+        OptionalNested[ThicknessProfile],
+        Field(description="thickness of the web across its width"),
+    ] = default(None)
     oscillation: Oscillation = default(0.0)
     core_shrinkage: Annotated[
         Number, strain("e_c", "shrinkage of the core in the finished roll"), Field(ge=-0.1, le=0.1)

@@ -22,6 +22,7 @@ Array = np.ndarray
 
 # Relative to the mean.  Webs vary by a few per cent; other values are errors of the table.
 THINNEST, THICKEST = 0.5, 1.5
+THICKEST_WEB = 0.1  # [m]; a larger thickness is relative
 MOST_LANES = 10_000  # as many as a profile has positions at most
 MOST_MOVED = 10.0  # amplitude of an oscillation [m]
 NARROW_LANES = 2000  # on which the extremes of an oscillating profile are found
@@ -134,11 +135,11 @@ class ThicknessProfile(Description):
                 raise InvalidProblem.at(
                     f"thickness.{k}", f"{quote(h)} is out of range; must be > 0 [m]"
                 )
-        mean = self.mean
+        mean, unit = self.mean, "" if self.is_relative else " [m]"
         for k, h in enumerate(self.thickness):
             if not THINNEST * mean <= h <= THICKEST * mean:
                 text = f"{quote(h)} is out of range; must be >= {THINNEST * mean:.4g} and <= "
-                text += f"{THICKEST * mean:.4g} [m], {THINNEST:g} to {THICKEST:g} of the mean"
+                text += f"{THICKEST * mean:.4g}{unit}, {THINNEST:g} to {THICKEST:g} of the mean"
                 raise InvalidProblem.at(f"thickness.{k}", text)
         largest = max(abs(h / mean - 1) for h in self.thickness)
         if self.variation * largest > THICKEST - 1:
@@ -155,7 +156,7 @@ class ThicknessProfile(Description):
             check_equal_lengths(self, "position", "spread")
             for k, s in enumerate(self.spread):
                 if not 0 <= s <= mean:
-                    text = f"{quote(s)} is out of range; must be >= 0 and <= {mean:.4g} [m]"
+                    text = f"{quote(s)} is out of range; must be >= 0 and <= {mean:.4g}{unit}"
                     raise InvalidProblem.at(f"spread.{k}", text)
         return self
 
@@ -168,6 +169,11 @@ class ThicknessProfile(Description):
     def mean(self) -> float:
         """Mean thickness over the width, in the unit of ``thickness``."""
         return float(np.trapezoid(self.thickness, self.position)) / self.width
+
+    @property
+    def is_relative(self) -> bool:
+        """Whether ``thickness`` is relative to a mean of about 1 or 100, not in metres."""
+        return self.mean > THICKEST_WEB
 
     def lanes(self, count: int, oscillation: float | str = 0.0) -> Lanes:
         """Return the mean thickness and slack of equally wide lanes.
@@ -294,7 +300,7 @@ def warnings_across(problem: Any, web_thickness: float) -> Iterator[str]:
     profile = problem.thickness_profile
     if profile is None and problem.oscillation:
         yield f"oscillation = {problem.oscillation:.6g} m is not used: there is no profile"
-    if profile is None or profile.mean > 0.1:
+    if profile is None or profile.is_relative:
         return
     if abs(profile.mean / web_thickness - 1) > CALIPERS_DIFFER:
         yield (

@@ -113,6 +113,9 @@ _SPELLINGS = {
     "\N{GREEK SMALL LETTER MU}": "um",
 }
 
+# Total in place of a quantity per width, by the unit of the latter: its name and unit.
+_TOTALS = {"N/m": ("force", "N"), "kg/m": ("mass", "kg"), "N": ("torque", "N*m")}
+
 TURN = Fraction(2 * pi)  # [rad]
 
 # Masses that are read as forces where the dimension of a quantity is that of the force: "lb/in".
@@ -439,8 +442,9 @@ def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
             raise _fault(field, value, f"has the unknown unit {name!r}", unit, _nearest(name))
     factor = _conversion_factor(text, unit)
     if factor is None:
-        total = unit == "N/m" and _conversion_factor(text, "N") is not None
-        hint = "; a force is divided by the width of the web" if total else ""
+        name, total = _TOTALS.get(unit, ("", ""))
+        is_total = bool(name) and _conversion_factor(text, total) is not None
+        hint = f"; a {name} is divided by the width of the web" if is_total else ""
         if _in_unit_of(text, unit, _LINE_FORCES) is not None:
             hint = "; kg and g are masses: write kgf and gf for forces"
         raise _fault(field, value, "has the wrong dimension", unit, hint)

@@ -253,7 +253,10 @@ class WindingProblem(Problem):
         WebDensity, Conditional("required with limits.acceleration and with a winder")
     ] = default(None)
     gauge_excess: GaugeExcess = default(0.0)
-    thickness_profile: OptionalNested[ThicknessProfile] = default(None)
+    thickness_profile: Annotated[
+        OptionalNested[ThicknessProfile],
+        Field(description="thickness of the web across its width"),
+    ] = default(None)
     oscillation: Oscillation = default(0.0)
     limits: Annotated[Nested[Limits], Field(description="limits of web, roll and core")] = default(
         Limits()
@@ -265,7 +268,7 @@ class WindingProblem(Problem):
         Field(ge=0, le=200),
         Conditional("required with air or a viscoelastic drum"),
     ] = default(None)
-    air: OptionalNested[Air] = default(None)
+    air: Annotated[OptionalNested[Air], Field(description="entrained air")] = default(None)
     width: Width = default(None)
 
     @model_validator(mode="after")

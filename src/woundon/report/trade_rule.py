@@ -31,6 +31,10 @@ Array = np.ndarray
 
 TITLE = "Trade rule NIT = mu N (full slip on the roll, N the nip load)"
 SLIPS = "The web slips forward on the roll in the whole nip, as the rule assumes."
+NOT_SAVED = (
+    "Where the web slips and sticks in the nips is not saved with a result: solve the problem "
+    "again to see the shares of the nip load."
+)
 PRESCRIBED = "The wound-on tension is prescribed and does not follow from this rule."
 
 
@@ -129,8 +133,8 @@ def _winding_reason(result: WindingResult, friction: float) -> str:
         left = result.nip_friction / result.problem.roll_friction
         text += f" The air film leaves {_percent(left)} of the friction in the nip."
     nips = [sample.result for sample in result.nips]
-    if not nips:  # of a loaded result
-        return text
+    if not nips:  # of a loaded result, or of a copy
+        return f"{text} {NOT_SAVED}"
     forward, stick, backward = map(np.array, zip(*map(_load_shares, nips), strict=True))
     return (
         f"{text} The rule assumes forward slip on the roll in the whole nip. The web slips forward "

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 
 import numpy as np
 
-from ..errors import NotConverged
+from ..errors import InvalidProblem, NotConverged
 from ..problems.thickness_profile import Lanes
 from ..quantities import Quantity, length, line_load, on_request, share, strain, stress
 from .build_up import BuildUp, NotWoundError
@@ -23,8 +23,10 @@ if TYPE_CHECKING:
     import xarray
 
 __all__ = [
+    "FEWEST_LANES",
     "LANES",
     "LANE_QUANTITIES",
+    "MOST_LANES",
     "POSITION",
     "LaneRoll",
     "NipsAcross",
@@ -37,6 +39,7 @@ __all__ = [
 
 Array = np.ndarray
 
+FEWEST_LANES, MOST_LANES = 4, 1000
 LANES = 50  # by default: they resolve smooth profiles to 0.1 % of the tension
 TOLERANCE = 2e-3  # of the stages by default, that of a roll with the default rtol
 ROUNDING = 1e-9  # of the largest pressure: a smaller negative one is a rounding error
@@ -206,6 +209,20 @@ class WithLanes:
 
     problem: Any
     lane_roll: LaneRoll | None
+    lane_count: int
+
+    def check_lane_count(self) -> None:
+        """Reject a number of lanes that no solution has.
+
+        Raises
+        ------
+        InvalidProblem
+        """
+        has_lanes = self.problem.thickness_profile is not None
+        if self.lane_count and not (has_lanes and FEWEST_LANES <= self.lane_count <= MOST_LANES):
+            must = f"0, or {FEWEST_LANES} to {MOST_LANES}" if has_lanes else "0"
+            text = f"{self.lane_count} is out of range; must be {must}"
+            raise InvalidProblem.at("lane_count", text)
 
     @property
     def lanes(self) -> xarray.Dataset | None:

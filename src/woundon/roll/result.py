@@ -297,4 +297,5 @@ class RollResult(WithLanes, Result):
 
     def certified(self) -> Residuals:
         """Recompute the residuals from problem and arrays."""
+        self.check_lane_count()
         return certificate(self)

@@ -33,15 +33,13 @@ from .certificate import certificate
 from .equations import interpolate_pressure
 from .finished import equations_of, final_changes, finished_arrays, surface_layer_depth
 from .finite_layers import NEIGHBOURHOOD, finite_layer_effects, layers_of
-from .lane_roll import LANES, LaneRoll, NipsAcross, solve_lanes
+from .lane_roll import FEWEST_LANES, LANES, MOST_LANES, LaneRoll, NipsAcross, solve_lanes
 from .result import RollResult
 from .stage_nodes import source_error
 from .validity import roll_warnings
 
 __all__ = [
-    "FEWEST_LANES",
     "LANES_OPTION",
-    "MOST_LANES",
     "ThinLayerRoll",
     "check_options",
     "lanes_of",
@@ -57,7 +55,6 @@ RTOL_OPTION = Option(
     "Relative error of the solver.",
     "1e-8 to 0.1, of the pressure relative to the largest; default 1e-3.",
 )
-FEWEST_LANES, MOST_LANES = 4, 1000
 LANES_OPTION = Option(
     "Number of lanes across the width.",
     "4 to 1000, with a thickness profile; default 50.",

@@ -273,6 +273,7 @@ class WindingResult(WithMargins, WithLanes, Result):
 
     def certified(self) -> Residuals:
         """Compute the residuals from problem and arrays."""
+        self.check_lane_count()
         return certificate(self)
 
     def recomputed_nips(self) -> Mapping[str, tuple[Array, Array]]:

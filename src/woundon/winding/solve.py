@@ -31,9 +31,9 @@ from ..errors import NotConverged, unwarned
 from ..parallel import one_thread
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
-from ..roll.lane_roll import LANES
+from ..roll.lane_roll import FEWEST_LANES, LANES, MOST_LANES
 from ..roll.result import RollResult
-from ..roll.solve import FEWEST_LANES, LANES_OPTION, MOST_LANES, ThinLayerRoll
+from ..roll.solve import LANES_OPTION, ThinLayerRoll
 from .assembly import assemble_result
 from .bodies import tension_on_roll
 from .certificate import LARGEST_COUPLING_RTOL, certificate
