@@ -60,7 +60,7 @@ if TYPE_CHECKING:
     from .fields import CoercedField
     from .grades import Grade
 
-__all__ = ["WindingProblem"]
+__all__ = ["SCHEDULES", "WindingProblem", "schedule_limits"]
 
 Array = np.ndarray
 LAWS = ("nip", "friction", "fixed")
@@ -86,6 +86,16 @@ OF_NIP_ALONE = ("web.material", "roll_wrap", "roll_body")
 ROUNDED = 1e-9  # by which a radius may lie outside of the roll
 HELD = 0.8  # largest part of the arc from the last nip to the rear drum that is the roll wrap
 CHECKED_RADII = 257  # radii, in addition to all kinks, at which a steady state must exist
+
+
+def schedule_limits(name: str, *, has_winder: bool) -> tuple[float, float]:
+    """Return the smallest and the largest permitted value of a schedule, SI units.
+
+    >>> schedule_limits("torque_split", has_winder=False)
+    (0.0, 1.0)
+    """
+    limits = SCHEDULES | WITH_WINDER if has_winder else SCHEDULES
+    return limits[name]
 
 
 def _law(value: Any, info: ValidationInfo) -> Any:
@@ -381,9 +391,7 @@ class WindingProblem(Problem):
         schedule = field_or_none(self, name)
         if schedule is None or isinstance(schedule, str):
             return
-        low, high = SCHEDULES[name]
-        if self.winder is not None:
-            low, high = WITH_WINDER.get(name, (low, high))
+        low, high = schedule_limits(name, has_winder=self.winder is not None)
         quantity = field_quantity(self, name)
         unit = "" if quantity is None else in_brackets(quantity.unit)
         must = f"must be >= {low:g} and <= {high:g}{unit}"
