@@ -26,6 +26,8 @@ revision than 0.2 uses the packages of this environment.
     lanes_of_roll         the same with 50 lanes across the width, for a band of 0.8 %; at most 15
                           times roll is requested
     lanes_of_winding      winding with the same lanes; at most 30 times winding is requested
+    two_drum_winding      newsprint on two drums, with --alone; one_drum_winding has the same loads
+                          and forces of its rear drum alone
     loose                 the README's nip with rtol = 1e-2, to be compared with readme
     two_processes         wall-clock time of a nip in a sweep of 600 with 33 nodes on two processes
     sweep                 20 wrapped nips, five loads and four shear moduli, for each of them
@@ -75,6 +77,8 @@ SLOW = {
     "lanes_of_winding": 3,
     "example_winding": 3,
     "scheduled_winding": 3,
+    "one_drum_winding": 1,
+    "two_drum_winding": 1,
     "readme": 20,
     "loose": 20,
     "two_processes": 3,
@@ -83,6 +87,8 @@ SLOW = {
     "scheduled_window": 1,
     "command": 10,
 }
+# what earlier revisions have not
+NEW = ("two_nips", "three_nips", "one_drum_winding", "two_drum_winding")
 SWEPT = 20  # nips of a sweep
 COPIES = 1000
 CASES = 100
@@ -151,6 +157,10 @@ def draw(name: str, seed: int) -> Problems:
     if name.endswith("roll"):
         tension = 350 * (1 + 0.05 * change)
         return [wo.RollProblem.example().replace(wound_on_tension=tension, **lanes)]
+    if name == "two_drum_winding":
+        return [two_drum_winding()]
+    if name == "one_drum_winding":
+        return [on_rear_drum(two_drum_winding())]
     problem = wo.WindingProblem.example()
     factor = 1 + 0.05 * change if name in ("winding", "lanes_of_winding") else 1.0
     return [problem.replace(nip_load=factor * problem.nip_load, **lanes)]
@@ -171,6 +181,22 @@ def scheduled_winding() -> wo.WindingProblem:
         radius=0.625, web_tension=wo.Taper(start=350.0, taper=0.2), nip_load=loads,
         **{"core.radius": 0.0381},
     )  # fmt: skip
+
+
+def two_drum_winding() -> wo.WindingProblem:
+    """Return a winding of newsprint on two drums, with a constant load of the rider."""
+    winder = wo.TwoDrums(front_drum=wo.Rigid(radius=0.25), gap=0.02, rider_load=2500.0)
+    return wo.WindingProblem.example().replace(
+        radius=0.6, winder=winder, drum=wo.Rigid(radius=0.3), nip_load=None, torque_split=0.5,
+        density=680.0, web_tension=300.0,
+    )  # fmt: skip
+
+
+def on_rear_drum(winding: wo.WindingProblem) -> wo.WindingProblem:
+    """Return the winding with the rear drum of a two-drum winder alone."""
+    radii = np.linspace(winding.core.radius, winding.radius, 60)
+    loads = wo.Profile(radius=radii, value=winding.drum_loads(radii).rear_load)
+    return winding.replace(winder=None, nip_load=loads)
 
 
 def solve_all(problems: Problems) -> Callable[[], object]:
@@ -270,6 +296,7 @@ METHODS: dict[str, Callable[[Problems], Callable[[], object]]] = {
 WORK = [
     *FAMILIES, "readme", "neighbours", "sensitivities", "nip_and_derivatives", "winding",
     "example_winding", "scheduled_winding", "roll", "lanes_of_roll", "lanes_of_winding", "loose",
+    "example_winding", "scheduled_winding", "one_drum_winding", "two_drum_winding", "loose",
     "sweep", "two_processes", "replace", "fit", "find", "window", "scheduled_window", "command",
 ]  # fmt: skip
 
@@ -407,7 +434,7 @@ def main() -> int:
     print(f"| work | cases | ms, median | d | of {given.against}: ms | d | ratio, median | 90 % |\n"
           "|---|---|---|---|---|---|---|---|")  # fmt: skip
     units: list[float] = []
-    others = [name for name in WORK if given.alone or name not in ("two_nips", "three_nips")]
+    others = [name for name in WORK if given.alone or name not in NEW]
     for name in given.work or others:
         cases = given.cases or SLOW.get(name, CASES)
         times = np.array(measured(versions, name, cases, given.first))
