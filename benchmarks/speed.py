@@ -295,9 +295,9 @@ METHODS: dict[str, Callable[[Problems], Callable[[], object]]] = {
 }
 WORK = [
     *FAMILIES, "readme", "neighbours", "sensitivities", "nip_and_derivatives", "winding",
-    "example_winding", "scheduled_winding", "roll", "lanes_of_roll", "lanes_of_winding", "loose",
-    "example_winding", "scheduled_winding", "one_drum_winding", "two_drum_winding", "loose",
-    "sweep", "two_processes", "replace", "fit", "find", "window", "scheduled_window", "command",
+    "example_winding", "scheduled_winding", "one_drum_winding", "two_drum_winding", "roll",
+    "lanes_of_roll", "lanes_of_winding", "loose", "sweep", "two_processes", "replace", "fit",
+    "find", "window", "scheduled_window", "command",
 ]  # fmt: skip
 
 
