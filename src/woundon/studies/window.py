@@ -23,10 +23,9 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import check_arguments, whole_number
+from ..arguments import check_arguments, check_type, whole_number
 from ..errors import InvalidProblem, NotConverged
 from ..problems.grades import Grade
-from ..problems.messages import quote
 from ..problems.problem import Problem
 from ..problems.winding import WindingProblem
 from .progress import Progress, progress_reporter
@@ -171,9 +170,7 @@ def operating_window(
     check_arguments(out=out, resume=resume, progress=progress, preview=preview, seed=seed)
     vary = {} if vary is None else vary
     check_arguments(vary=vary)
-    if not isinstance(vary, Mapping):  # names without ranges
-        text = f"{quote(vary)} has no ranges; must be {{name: (low, high)}}"
-        raise InvalidProblem.at("vary", text)
+    check_type("vary", vary, Mapping)  # not names without ranges
     if resume and out is None:
         raise InvalidProblem.at("resume", "needs out, the folder of the windings")
     spreads, ties = spreads_and_ties(problem, uncertain, tie)
