@@ -454,6 +454,20 @@ def test_a_window_over_oscillation_and_the_size_of_a_band(window, wound):
     assert window.probability[-1, 0] > 0.95
 
 
+@pytest.mark.parametrize(
+    ("ranges", "message"),
+    [
+        ({"oscillation": (0, "1.2 m")}, r"oscillation: 1\.2 .*<= 1 \[m\], half the width of the"),
+        ({"thickness_profile.variation": (0.5, 90)}, r"variation: 90 .*<= 10"),
+        ({"thickness_profile.variation": (-0.5, 1)}, r"variation: -0\.5 .*>= 0"),
+        ({"thickness_profile.thickness": (0.5, 1)}, "thickness_profile.thickness: .* not a number"),
+    ],
+)
+def test_a_range_that_the_profile_does_not_permit(ranges, message, wound):
+    with pytest.raises(wo.InvalidProblem, match=message):
+        wo.operating_window(wound, (200, 300), vary=ranges, uncertain={"roll_friction": 0.1})
+
+
 @pytest.mark.slow
 def test_the_boundary_of_a_window_is_the_oscillation_that_find_finds(window, wound):
     found = wo.find(

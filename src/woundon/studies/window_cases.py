@@ -25,8 +25,8 @@ from ..arguments import check_arguments
 from ..errors import InvalidProblem, one_of
 from ..problems.grades import Grade, grade
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, find_places, get_field, is_part_of, varied_number
-from ..problems.permitted import admissible, admits, in_brackets
+from ..problems.paths import field_quantity, get_field, is_part_of, varied_number
+from ..problems.permitted import in_brackets
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..problems.winding import SCHEDULES, WindingProblem, schedule_limits
@@ -152,19 +152,30 @@ def _range_of(problem: WindingProblem, name: str, ends: Any) -> tuple[float, flo
     low, high = range_in_si(problem, name, ends)
     if name in SCHEDULES:
         least, most = schedule_limits(name, has_winder=problem.winder is not None)
-        quantity = field_quantity(problem, name)
-        must = f">= {least:g} and <= {most:g}{in_brackets(quantity.unit) if quantity else ''}"
-        outside = [end for end in (low, high) if not least <= end <= most]
+        if outside := [end for end in (low, high) if not least <= end <= most]:
+            quantity = field_quantity(problem, name)
+            must = f">= {least:g} and <= {most:g}{in_brackets(quantity.unit) if quantity else ''}"
+            raise InvalidProblem.at(name, f"{quote(outside[0])} is out of range; must be {must}")
     else:
         varied_number(problem, name)
-        field = find_places(problem, name)[0].field
-        must = admissible(field)
-        outside = [end for end in (low, high) if not admits(field, end)]
-    if outside:
-        raise InvalidProblem.at(name, f"{quote(outside[0])} is out of range; must be {must}")
+        for end in (low, high):
+            _check_end(problem, name, end)
     if any(is_part_of(name, unused) for unused in problem.unused):
         raise InvalidProblem.at(name, "has no effect in this case; must be a field that has one")
     return low, high
+
+
+def _check_end(problem: WindingProblem, name: str, end: float) -> None:
+    """Reject an end of a range that the field does not permit in this problem.
+
+    An end at which another field is at fault, such as a load that the drum does not carry, may be
+    admissible at other set points.
+    """
+    try:
+        problem.replace(**{name: end})
+    except InvalidProblem as fault:
+        if name in dict(fault.faults):
+            raise
 
 
 # ---- problems -----------------------------------------------------------------------------------
