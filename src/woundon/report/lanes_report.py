@@ -63,7 +63,7 @@ def _range(meaning: str, symbol: str, excess: Array) -> list[Row]:
     """Return the rows of the smallest and the largest deviation of the thickness."""
     return [
         # the deviations of an even web are rounding errors
-        row_of(share(symbol, f"{word} {meaning}"), round(float(value), EXACT))
+        row_of(share(symbol, f"{word} {meaning}"), round(float(value), EXACT) + 0.0)
         for word, value in (("smallest", excess.min()), ("largest", excess.max()))
     ]
 
