@@ -183,6 +183,8 @@ EXAMPLES = [
     WINDING.replace(winder=WINDER, drum=wo.Rigid(radius=0.3), nip_load=None, torque_split=0.5),
     wo.NextNip(angle=1.5, drum=wo.Rigid(radius=0.25), nip_load=2000.0),
     wo.ThicknessProfile(position=[0.0, 0.5, 1.0], thickness=[1.0, 1.01, 1.0]),
+    wo.Bending(flexural_rigidity=1e6),
+    wo.DrumBending(flexural_rigidity=1e6),
 ]  # fmt: skip
 
 

@@ -206,6 +206,7 @@ class RollProblem(Problem):
         **only_in(
             "WindingProblem", "winder", "wrap_friction", "roll_body", "web_speed", "air", "width"
         ),
+        **only_in("WindingProblem", "drum_bending", "core_bending"),
         **only_in("RollerProblem", "upper", "lower", "load", "friction", "tangential_load"),
         **only_in("RollerProblem", "creepage", "motion", "speed"),
     }

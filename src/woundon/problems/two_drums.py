@@ -35,9 +35,10 @@ import numpy as np
 from pydantic import Field
 
 from ..quantities import Quantity, length, line_load, pure
+from .bending import DrumBending
 from .bodies import AnyBody, OptionalBody
 from .description import Description
-from .fields import Number, OptionalNumber, default
+from .fields import Number, OptionalNested, OptionalNumber, default
 from .messages import quote
 from .permitted import Conditional
 from .schedules import WindingSchedule
@@ -74,6 +75,8 @@ class TwoDrums(Description):
         ``drum_friction``.
     core_mass : float
         Mass of core and shaft per metre of width [kg/m].
+    front_bending, rider_bending : DrumBending, optional
+        Bending and crown of front drum and rider across the width; with a thickness profile.
 
     Raises
     ------
@@ -123,6 +126,16 @@ class TwoDrums(Description):
         Quantity("m_c", "kg/m", "mass of core and shaft, per width", typical=(0.0, 50.0)),
         Field(ge=0, le=1e5),
     ] = default(0.0)
+    front_bending: Annotated[
+        OptionalNested[DrumBending],
+        Field(description="bending and crown of the front drum"),
+        Conditional("only with thickness_profile"),
+    ] = default(None)
+    rider_bending: Annotated[
+        OptionalNested[DrumBending],
+        Field(description="bending and crown of the rider roll"),
+        Conditional("only with thickness_profile"),
+    ] = default(None)
 
     def geometry_faults(
         self, rear_radius: float, smallest: float, largest: float

@@ -176,6 +176,7 @@ MILL = {
     "m/min": "fpm",
     "kg/m": "lb/ft",
     "kg/m^3": "lb/ft^3",
+    "N*m^2": "lbf*in^2",
 }
 
 _EXAMPLES = {

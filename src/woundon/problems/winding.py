@@ -14,6 +14,7 @@ from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import length, line_load, pure, tension, velocity
 from .air import Air, with_film
 from .assumptions import of_winding
+from .bending import Bending, DrumBending, faults_of_bending
 from .bodies import AnyBody, Body, Rigid
 from .consistency import different_moduli
 from .contact_problem import unused_speed
@@ -163,6 +164,12 @@ class WindingProblem(Problem):
         Thickness across the width, instead of ``gauge_excess``: the result then has ``lanes``.
     oscillation : float
         Amplitude by which the web moves to and fro across the roll [m]: the profile is averaged.
+    drum_bending : DrumBending, optional
+        Bending and crown of the drum across the width; with a thickness profile, which may be even,
+        and tension_law "nip".  By default the drum is straight.
+    core_bending : Bending, optional
+        Bending of the core, with the roll on it, under the nip load; as ``drum_bending``, without a
+        winder.
     web_speed : float, optional
         V [m/s], needed with air or a viscoelastic drum.
     air : Air, optional
@@ -268,6 +275,16 @@ class WindingProblem(Problem):
         Field(description="thickness of the web across its width"),
     ] = default(None)
     oscillation: Oscillation = default(0.0)
+    drum_bending: Annotated[
+        OptionalNested[DrumBending],
+        Field(description="bending and crown of the drum"),
+        Conditional("only with thickness_profile"),
+    ] = default(None)
+    core_bending: Annotated[
+        OptionalNested[Bending],
+        Field(description="bending of the core with the roll"),
+        Conditional("only with thickness_profile"),
+    ] = default(None)
     limits: Annotated[Nested[Limits], Field(description="limits of web, roll and core")] = default(
         Limits()
     )
@@ -293,6 +310,7 @@ class WindingProblem(Problem):
         faults = [fault for name in SCHEDULES for fault in self._faults_of(name)]
         faults += self._contradictions()
         faults += faults_across(self, self.width)
+        faults += faults_of_bending(self)
         if self.winder is not None:
             faults += self._contradictions_of_winder(self.winder)
         if faults:

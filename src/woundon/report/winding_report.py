@@ -67,6 +67,7 @@ LEFT_OUT = frozenset(
         ),
         *(f"margins.{name}" for name in TITLES),
         "lane_count",
+        "even_crown",
         *WORST_LANE,
     }
 )
