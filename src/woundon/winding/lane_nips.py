@@ -21,7 +21,6 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from ..errors import unwarned
 from ..nip.result import NipResult
@@ -57,6 +56,9 @@ class _Curve:
     """
 
     def __init__(self, x: Array, y: Array) -> None:
+        # the import takes a quarter of a second, which a nip on the command line does not need
+        from scipy.interpolate import PchipInterpolator
+
         self.first, self.last = float(x[0]), float(x[-1])
         self.value = PchipInterpolator(x, y)
         self.slope = self.value.derivative()
