@@ -375,6 +375,15 @@ def test_a_nip_is_solved_without_what_is_slow_to_import():
     assert run_apart("-c", code).stdout.decode().splitlines()[-1] == "[]"
 
 
+def test_the_end_of_a_command_does_not_search_for_unused_objects():
+    # a fifth of the time of a solution; functions registered first are called last
+    code = (
+        "import atexit, gc; atexit.register(lambda: print(gc.get_freeze_count() > 1000)); "
+        "from woundon.cli import commands as cli; cli.main(['--version'])"
+    )
+    assert run_apart("-c", code).stdout.decode().splitlines()[-1] == "True"
+
+
 def in_shell(command: str) -> subprocess.CompletedProcess[bytes]:
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     shell = ["bash", "-o", "pipefail", "-c", f"{sys.executable} -m woundon {command}"]

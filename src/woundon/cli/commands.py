@@ -9,6 +9,8 @@ solution in the range, 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP.
 
 from __future__ import annotations
 
+import atexit
+import gc
 import os
 import signal
 import sys
@@ -68,6 +70,8 @@ def main(args: Sequence[str] | None = None) -> int:
     woundon, version 0.4.0.dev0
     0
     """
+    # when the process ends, Python would search all modules four times for unused objects
+    atexit.register(gc.freeze)
     for name, value in environment().items():  # read by NumPy when it is imported
         os.environ.setdefault(name, value)
     if isinstance(sys.stdout, TextIOWrapper):  # as Python does for errors
