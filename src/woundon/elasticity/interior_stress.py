@@ -300,7 +300,8 @@ class _HalfPlaneRoots:
         c11, c12, c22 = compliance(A_rr, A_tt, A_rt, *stiffness[4:])
         product = sqrt(c22 / c11)
         mean = sqrt((2 * c12 + 1 / G) / c11 + 2 * product) / 2
-        return cls(mean, product, csqrt(mean**2 - product))
+        d = csqrt(mean**2 - product)
+        return cls(mean, product, d if d.imag else d.real)  # real exponentials are faster
 
     @property
     def slowest_decay(self) -> float:
