@@ -33,7 +33,6 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from ..elasticity.beam import Beam, BeamsAcross
 from ..errors import unwarned
@@ -81,6 +80,9 @@ class _Curve:
     """
 
     def __init__(self, x: Array, y: Array) -> None:
+        # the import takes a quarter of a second, which a nip on the command line does not need
+        from scipy.interpolate import PchipInterpolator
+
         self.first, self.last = float(x[0]), float(x[-1])
         self.value = PchipInterpolator(x, y)
         self.slope = self.value.derivative()
