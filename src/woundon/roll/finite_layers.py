@@ -41,7 +41,7 @@ def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
     T_c = float(tension.at(result.radius[:1])[0]) + core_change
     P, Q, own = result.pressure, result.pressure_gradient, layers.own_pressure(x)
     # nothing presses on the outermost layer
-    solved = layers.equations.solve(StageData(x, source, T_c, -float(own[-1])), P, Q)
+    solved = layers.equations.at_rest.solve(StageData(x, source, T_c, -float(own[-1])), P, Q)
     if solved is None:
         raise NotConverged("the roll with layers of the web thickness could not be solved", result)
     # r p' = h T'/2 - p, at a kink on its outer side

@@ -132,7 +132,11 @@ def solve_wound_roll(
     if problem.thickness_profile is not None:
         # the stages of the lanes are those of a roll without the error of Newton's method
         roll = roll.wound_with(problem)
-        lane_roll = lanes_of(roll, problem, rtol, lanes)
+        mean = roll
+        if problem.centrifugal_stress:  # which the lanes neglect
+            still = problem.replace(web_speed=None)
+            mean = solve_thin_layers(still, rtol).wound_with(still)
+        lane_roll = lanes_of(mean, mean.result.problem, rtol, lanes)
         result = roll.result.replace(lane_roll=lane_roll, lane_count=lanes)
         roll = roll._replace(result=result)
     result = roll.with_finite_layers().warned()
@@ -393,6 +397,8 @@ def _check_stack_law(result: RollResult, build_up: BuildUp) -> RollResult:
     largest pressure before the changes after winding.
     """
     _check_layers_in_contact(result, ROUNDING)
+    if result.problem.centrifugal_stress:
+        _check_running_layers(result, build_up)
     stack, wound = result.problem.stack, float(np.max(build_up.solved.P))
     largest, limit = max(wound, result.peak_pressure), stack.radial.max_pressure
     if stack.limit <= largest < limit:
@@ -406,6 +412,19 @@ def _check_stack_law(result: RollResult, build_up: BuildUp) -> RollResult:
             result,
         )
     return result
+
+
+def _check_running_layers(result: RollResult, build_up: BuildUp) -> None:
+    """Raise NotConverged if the centrifugal force separates layers at a stage of the build-up."""
+    for nodes, solution in zip(build_up.nodes, build_up.solutions, strict=True):
+        loosest = int(np.argmin(solution.P))
+        if solution.P[loosest] < -ROUNDING * float(np.max(solution.P)):
+            raise NotConverged(
+                f"the layers separate at the radius {np.exp(nodes[loosest]):.6g} m when the roll "
+                f"runs with a surface radius of {np.exp(nodes[-1]):.6g} m: the centrifugal force "
+                "exceeds the pressure; reduce web_speed or raise wound_on_tension",
+                result,
+            )
 
 
 def _check_layers_in_contact(result: RollResult, slack: float) -> None:
