@@ -332,8 +332,8 @@ class RollProblem(Problem):
             raise InvalidProblem.at(
                 "wound_on_tension",
                 f"{quote(float(tension[k]))} at the radius {r[k]:.6g} [m] is out of range; must be "
-                f"> {force:.6g} [N/m], the centrifugal force density * web_thickness * web_speed^2, "
-                "or the web lifts off the roll",
+                f"> {force:.6g} [N/m], the centrifugal force density * web_thickness * "
+                "web_speed^2, or the web lifts off the roll",
             )
 
     @property

@@ -24,6 +24,7 @@ __all__ = [
     "radii_between",
     "radius_axis",
     "roll_panels",
+    "running_curves",
     "scale_of",
     "with_compression",
 ]
@@ -35,6 +36,7 @@ OUTWARD = 200  # of a coloured disc
 # times the depth of the compression.
 ABOVE, BELOW = 5.0, 1.3
 MARGIN = 0.05  # of the values, above the largest one
+AT_REST = "at rest"  # of a roll with centrifugal force
 # of pressures next to the largest one, below zero
 ROUNDING = 1e-9
 
@@ -42,7 +44,7 @@ ROUNDING = 1e-9
 def roll_panels(result: RollResult) -> dict[str, PanelMaker]:
     """Return the panels of a wound roll, over the radius.
 
-    - pressure between the layers
+    - pressure between the layers, and that of the running roll with centrifugal force
     - hardness: the modulus through the stack
     - hoop_stress along the web, compression shaded; cut off above where there is any
     - tension: the wound-on tension, on the stages of the build-up
@@ -138,9 +140,19 @@ def over_radius(
 def pressure(roll: RollResult) -> Panel:
     """Return the panel of the pressure between the layers."""
     r, quantity = radii_between(roll), quantity_of(roll, "pressure")
-    curve = Curve("pressure", r, roll.at_radius(r)["pressure"], quantity.symbol)
+    running = running_curves(roll, "running_pressure")
+    label = AT_REST if running else ""
+    curve = Curve("pressure", r, roll.at_radius(r)["pressure"], quantity.symbol, label)
     y = Axis("Pressure $P$", quantity, from_zero=True)
-    return over_radius(roll.radius, "pressure", "Pressure", y, [curve], height=2.8)
+    return over_radius(roll.radius, "pressure", "Pressure", y, [curve, *running], height=2.8)
+
+
+def running_curves(roll: RollResult, name: str) -> list[Curve]:
+    """Return the curve of an output of the running roll; none without centrifugal force."""
+    if not roll.running_pressure.size:
+        return []
+    running = Curve.of_output(roll, name, roll.radius, "running", "drum", "dashed", alone=True)
+    return [running]
 
 
 def hardness(roll: RollResult) -> Panel:
@@ -161,7 +173,12 @@ def displacement(roll: RollResult) -> Panel:
 def hoop_stress(roll: RollResult) -> Panel:
     """Return the panel of the hoop stress."""
     title, label = "Hoop stress", "Hoop stress $sigma_t$"
-    return _stress_of_layers(roll, "hoop_stress", title=title, label=label, thickness=1.0)
+    panel = _stress_of_layers(roll, "hoop_stress", title=title, label=label, thickness=1.0)
+    running = running_curves(roll, "running_hoop_stress")
+    if not running:
+        return panel
+    still = replace(panel.curves[0], label=AT_REST)
+    return replace(panel, curves=(still, *running))
 
 
 def residual_tension(roll: RollResult) -> Panel:

@@ -21,6 +21,7 @@ from .roll_panels import (
     hoop_stress_at,
     over_radius,
     radii_between,
+    running_curves,
     scale_of,
     with_compression,
 )
@@ -173,7 +174,10 @@ def pressure(result: WindingResult) -> Panel:
     """Return the panel of the pressure at stages of the build-up."""
     y = Axis("Pressure $P$", quantity_of(result.roll, "pressure"), from_zero=True)
     place = {"column": "right", "height": 3.0}
-    curves = _curves_of_stages(result, "pressure")
+    curves = (
+        *_curves_of_stages(result, "pressure"),
+        *running_curves(result.roll, "running_pressure"),
+    )
     return over_radius(result.radius, "pressure", "Pressure", y, curves, **place)
 
 
@@ -182,7 +186,8 @@ def hoop_stress(result: WindingResult) -> Panel:
     lowest, values = result.roll.least_hoop_stress, hoop_stress_at(result.roll)
     cut = cut_above(lowest, values, BELOW, ABOVE)
     y = Axis("Hoop stress $sigma_t$", quantity_of(result.roll, "hoop_stress"), cut=cut)
-    curves = _curves_of_stages(result, "hoop_stress")
+    running = running_curves(result.roll, "running_hoop_stress")
+    curves = *_curves_of_stages(result, "hoop_stress"), *running
     panel = over_radius(result.radius, "hoop_stress", "Hoop stress", y, curves, height=3.0)
     depth = np.full(2, BELOW * min(lowest, 0.0))
     # the stress differs between the stages: all of the negative range from core to surface

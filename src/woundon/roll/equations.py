@@ -398,8 +398,8 @@ class StageEquations:
     ) -> tuple[_Factors, Array, Array, Array]:
         """Return the factorised Jacobian, E_r at the nodes, the Newton step and a further layer.
 
-        The negative step of P and Q, and q = s (dP/ds)/T of a layer with D q, are (2 n + 2,) arrays,
-        the values of each node alternating.
+        The negative step of P and Q, and q = s (dP/ds)/T of a layer with D q, are (2 n + 2,)
+        arrays, the values of each node alternating.
 
         Raises
         ------

@@ -192,8 +192,8 @@ class RollResult(WithLanes, Result):
     def centrifugal_tension(
         self,
     ) -> Annotated[float, line_load("m V^2", "part of the tension taken by centrifugal force")]:
-        """m V^2, by which the running web presses less [N/m]; 0 without web speed or density."""
-        return float(self.problem.centrifugal_tension)
+        """m V^2, by which the running web presses less [N/m]; nan without speed or density."""
+        return self.problem.centrifugal_tension or nan
 
     @property
     def finite_layer_change(

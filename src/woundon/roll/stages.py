@@ -47,8 +47,8 @@ class Stage(NamedTuple):
         Nodes [m], P and r P' there [Pa].
     tension : float
         Wound-on tension of the outermost layer [N/m].
-    centrifugal : float
-        c = rho V^2 of a running roll [Pa]; zero at rest.
+    centrifugal, centrifugal_tension : float
+        rho V^2 [Pa] and m V^2 [N/m] of a running roll; zero at rest.
     """
 
     radius: Array
@@ -56,6 +56,7 @@ class Stage(NamedTuple):
     gradient: Array
     tension: float
     centrifugal: float = 0.0
+    centrifugal_tension: float = 0.0
 
     def stresses_at(self, r: Array) -> tuple[Array, Array]:
         """Return P and the hoop stress -(P + r P') + c r^2/s^2 at radii [Pa]."""
@@ -142,6 +143,8 @@ def stages_at(
     solved = sorted({radius for radius in radii if radius != R or equations.centrifugal})
     solutions = dict(zip(solved, _solve_stages(result, equations, solved, cells), strict=True))
     tensions = curve.at(np.array(radii)) * float(result.problem.web_thickness)
+    c = equations.centrifugal
+    rotation = c, c * float(result.problem.web_thickness)
     stages = []
     for radius, tension in zip(radii, tensions.tolist(), strict=True):
         if radius not in solutions:
@@ -151,7 +154,7 @@ def stages_at(
             r = np.exp(x)
             r[0], r[-1] = core, radius  # without rounding
             arrays = r, solution.P, solution.Q
-        stages.append(Stage(*arrays, tension, equations.centrifugal))
+        stages.append(Stage(*arrays, tension, *rotation))
     return stages
 
 
