@@ -140,7 +140,7 @@ def over_radius(
 def pressure(roll: RollResult) -> Panel:
     """Return the panel of the pressure between the layers."""
     r, quantity = radii_between(roll), quantity_of(roll, "pressure")
-    running = running_curves(roll, "running_pressure")
+    running = running_curves(roll, "pressure")
     label = AT_REST if running else ""
     curve = Curve("pressure", r, roll.at_radius(r)["pressure"], quantity.symbol, label)
     y = Axis("Pressure $P$", quantity, from_zero=True)
@@ -148,11 +148,15 @@ def pressure(roll: RollResult) -> Panel:
 
 
 def running_curves(roll: RollResult, name: str) -> list[Curve]:
-    """Return the curve of an output of the running roll; none without centrifugal force."""
-    if not roll.running_pressure.size:
+    """Return the curve of ``pressure`` or ``hoop_stress`` of the running roll.
+
+    None without centrifugal force.
+    """
+    if not roll.problem.centrifugal_stress:
         return []
-    running = Curve.of_output(roll, name, roll.radius, "running", "drum", "dashed", alone=True)
-    return [running]
+    r, output = radii_between(roll), f"running_{name}"
+    values, symbol = roll.at_radius(r, running=True)[name], quantity_of(roll, output).symbol
+    return [Curve(output, r, values, symbol, "running", "drum", "dashed", alone=True)]
 
 
 def hardness(roll: RollResult) -> Panel:
@@ -174,7 +178,7 @@ def hoop_stress(roll: RollResult) -> Panel:
     """Return the panel of the hoop stress."""
     title, label = "Hoop stress", "Hoop stress $sigma_t$"
     panel = _stress_of_layers(roll, "hoop_stress", title=title, label=label, thickness=1.0)
-    running = running_curves(roll, "running_hoop_stress")
+    running = running_curves(roll, "hoop_stress")
     if not running:
         return panel
     still = replace(panel.curves[0], label=AT_REST)

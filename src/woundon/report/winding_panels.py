@@ -176,7 +176,7 @@ def pressure(result: WindingResult) -> Panel:
     place = {"column": "right", "height": 3.0}
     curves = (
         *_curves_of_stages(result, "pressure"),
-        *running_curves(result.roll, "running_pressure"),
+        *running_curves(result.roll, "pressure"),
     )
     return over_radius(result.radius, "pressure", "Pressure", y, curves, **place)
 
@@ -186,8 +186,7 @@ def hoop_stress(result: WindingResult) -> Panel:
     lowest, values = result.roll.least_hoop_stress, hoop_stress_at(result.roll)
     cut = cut_above(lowest, values, BELOW, ABOVE)
     y = Axis("Hoop stress $sigma_t$", quantity_of(result.roll, "hoop_stress"), cut=cut)
-    running = running_curves(result.roll, "running_hoop_stress")
-    curves = *_curves_of_stages(result, "hoop_stress"), *running
+    curves = _curves_of_stages(result, "hoop_stress")
     panel = over_radius(result.radius, "hoop_stress", "Hoop stress", y, curves, height=3.0)
     depth = np.full(2, BELOW * min(lowest, 0.0))
     # the stress differs between the stages: all of the negative range from core to surface

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
+from ..arguments import check_type
 from ..quantities import Quantity, length, line_load, pure, share, strain, stress
 from ..results import Residuals, Result
 from .certificate import certificate
@@ -18,7 +19,7 @@ from .density import density_during_winding, finished_density, volume, wound_len
 from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .growth import Growth
 from .lane_roll import LANES, LaneRoll, WithLanes, build_up_of, solve_lanes
-from .stages import running_stresses, stage_arrays, stresses_between
+from .stages import Stage, running_stage, stage_arrays, stresses_between
 from .validity import roll_warnings
 
 if TYPE_CHECKING:
@@ -159,27 +160,25 @@ class RollResult(WithLanes, Result):
         return float(np.mean(self.at_radius(r)["hoop_stress"] < 0))
 
     @cached_property
-    def _running(self) -> tuple[Array, Array]:
-        """Pressure and hoop stress of the running roll; length 0 without centrifugal force."""
-        if not self.problem.centrifugal_stress:
-            return np.zeros(0), np.zeros(0)
-        return running_stresses(self)
+    def running_stage(self) -> Stage:
+        """The finished roll while it still runs, before the changes after winding."""
+        return running_stage(self)
 
     @property
     def running_pressure(
         self,
     ) -> Annotated[Array, stress("P_V", "pressure between the layers of the running roll")]:
         """P of the finished roll while it still runs [Pa]; length 0 without centrifugal force."""
-        return self._running[0]
+        return self.running_stage.pressure if self.problem.centrifugal_stress else np.zeros(0)
 
     @property
     def running_hoop_stress(
         self,
-    ) -> Annotated[
-        Array, stress("sigma_t,V", "hoop (MD) stress of the running roll, > 0: tension")
-    ]:
+    ) -> Annotated[Array, stress("sigma_V", "hoop (MD) stress of the running roll, > 0: tension")]:
         """sigma_t of the finished roll while it still runs [Pa]; length 0 as running_pressure."""
-        return self._running[1]
+        if not self.problem.centrifugal_stress:
+            return np.zeros(0)
+        return self.running_stage.stresses_at(self.radius)[1]
 
     @property
     def running_core_pressure(
@@ -296,13 +295,15 @@ class RollResult(WithLanes, Result):
         """Wound mass divided by the volume of the roll [kg/m^3]; nan as ``mass``."""
         return self.wound_mass / float(volume(self))
 
-    def at_radius(self, radius: ArrayLike) -> dict[str, Any]:
+    def at_radius(self, radius: ArrayLike, *, running: bool = False) -> dict[str, Any]:
         """Return pressure and hoop stress at any radii.
 
         Parameters
         ----------
         radius : array_like
             [m], from the core to the surface.
+        running : bool
+            True for the finished roll while it still runs, before the changes after winding.
 
         Returns
         -------
@@ -314,7 +315,8 @@ class RollResult(WithLanes, Result):
         InvalidProblem
             For a radius outside the roll.
         """
-        return stresses_between(self, radius)
+        check_type("running", running, bool)
+        return stresses_between(self, radius, running=running)
 
     def at(self, radius: float) -> RollResult:
         """Return the stage of the build-up with a given surface radius.

@@ -32,7 +32,7 @@ from .stage_nodes import cell_source, kinks_of, nodes_between
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-__all__ = ["Stage", "running_stresses", "stage_arrays", "stages_at", "stresses_between"]
+__all__ = ["Stage", "running_stage", "stage_arrays", "stages_at", "stresses_between"]
 
 Array = np.ndarray
 FEWEST_CELLS = 23
@@ -64,12 +64,17 @@ class Stage(NamedTuple):
         return P, self.centrifugal * (r / self.radius[-1]) ** 2 - (P + Q)
 
 
-def stresses_between(result: Any, radius: ArrayLike) -> dict[str, Any]:
+def stresses_between(result: Any, radius: ArrayLike, *, running: bool = False) -> dict[str, Any]:
     """Return ``pressure`` and ``hoop_stress`` [Pa] at radii [m], with the shape of ``radius``.
+
+    With ``running`` they are those of the finished roll while it still runs.
 
     P and Q = r dP/dr are interpolated between the nodes; the hoop stress is -(P + Q).
     """
     r = _radii_on_roll(result, radius)
+    if running:
+        P, hoop = result.running_stage.stresses_at(r)
+        return {"pressure": P[()], "hoop_stress": hoop[()]}
     x = np.log(result.radius)
     P, Q = interpolate_pressure(x, result.pressure, result.pressure_gradient, np.log(r))
     return {"pressure": P[()], "hoop_stress": (-(P + Q))[()]}
@@ -158,10 +163,10 @@ def stages_at(
     return stages
 
 
-def running_stresses(result: Any) -> tuple[Array, Array]:
-    """Return pressure and hoop stress of the finished roll while it still runs, (M,) each [Pa].
+def running_stage(result: Any) -> Stage:
+    """Return the finished roll while it still runs, at the nodes of the result.
 
-    They are those at the nodes of the result, before the changes after winding.
+    The changes after winding do not apply to it.
 
     Raises
     ------
@@ -170,12 +175,14 @@ def running_stresses(result: Any) -> tuple[Array, Array]:
     """
     problem, x = result.problem, np.log(result.radius)
     curve, equations = problem.tension_curve, equations_of(problem)
-    stage = StageData(x, cell_source(curve, result.kappa, x), float(curve.at(result.radius[:1])[0]))
+    data = StageData(x, cell_source(curve, result.kappa, x), float(curve.at(result.radius[:1])[0]))
     P = np.maximum(result.pressure, 0.0)  # changes after winding may separate layers
-    solved = equations.solve(stage, P, result.pressure_gradient)
+    solved = equations.solve(data, P, result.pressure_gradient)
     if solved is None:
         raise NotConverged("the running roll could not be solved", result)
-    return solved.P, equations.rotation_stress(stage.depths) - (solved.P + solved.Q)
+    tension = float(curve.at(result.radius[-1:])[0]) * float(problem.web_thickness)
+    rotation = problem.centrifugal_stress, problem.centrifugal_tension
+    return Stage(result.radius, solved.P, solved.Q, tension, *rotation)
 
 
 def _radii_on_roll(result: Any, radius: ArrayLike) -> Array:
