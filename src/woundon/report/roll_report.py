@@ -99,10 +99,9 @@ def thin_layers_note(roll: RollResult) -> str:
     """Return a remark on what pressures and errors refer to: layers without and with thickness."""
     at_rest = " of the roll at rest" if roll.problem.centrifugal_stress else ""
     return (
-        f"Pressures and stresses are those of infinitely thin layers{at_rest}. The thickness of the "
-        "layers "
-        f"changes the pressure by {100 * roll.finite_layer_effect:+.3g} % of the largest; the "
-        "errors include this and the variation of the hoop stress across a layer."
+        f"Pressures and stresses are those of infinitely thin layers{at_rest}. The thickness of "
+        f"the layers changes the pressure by {100 * roll.finite_layer_effect:+.3g} % of the "
+        "largest; the errors include this and the variation of the hoop stress across a layer."
     )
 
 
