@@ -19,7 +19,7 @@ from .density import density_during_winding, finished_density, volume, wound_len
 from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .growth import Growth
 from .lane_roll import LANES, LaneRoll, WithLanes, build_up_of, solve_lanes
-from .stages import Stage, running_stage, stage_arrays, stresses_between
+from .stages import Stage, wound_stage, stage_arrays, stresses_between
 from .validity import roll_warnings
 
 if TYPE_CHECKING:
@@ -160,16 +160,16 @@ class RollResult(WithLanes, Result):
         return float(np.mean(self.at_radius(r)["hoop_stress"] < 0))
 
     @cached_property
-    def running_stage(self) -> Stage:
-        """The finished roll while it still runs, before the changes after winding."""
-        return running_stage(self)
+    def as_wound(self) -> Stage:
+        """The roll as wound, while it still runs: before the changes of the finished roll."""
+        return wound_stage(self)
 
     @property
     def running_pressure(
         self,
     ) -> Annotated[Array, stress("P_V", "pressure between the layers of the running roll")]:
         """P of the finished roll while it still runs [Pa]; length 0 without centrifugal force."""
-        return self.running_stage.pressure if self.problem.centrifugal_stress else np.zeros(0)
+        return self.as_wound.pressure if self.problem.centrifugal_stress else np.zeros(0)
 
     @property
     def running_hoop_stress(
@@ -178,7 +178,7 @@ class RollResult(WithLanes, Result):
         """sigma_t of the finished roll while it still runs [Pa]; length 0 as running_pressure."""
         if not self.problem.centrifugal_stress:
             return np.zeros(0)
-        return self.running_stage.stresses_at(self.radius)[1]
+        return self.as_wound.stresses_at(self.radius)[1]
 
     @property
     def running_core_pressure(

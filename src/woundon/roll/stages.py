@@ -32,7 +32,7 @@ from .stage_nodes import cell_source, kinks_of, nodes_between
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-__all__ = ["Stage", "running_stage", "stage_arrays", "stages_at", "stresses_between"]
+__all__ = ["Stage", "wound_stage", "stage_arrays", "stages_at", "stresses_between"]
 
 Array = np.ndarray
 FEWEST_CELLS = 23
@@ -73,7 +73,7 @@ def stresses_between(result: Any, radius: ArrayLike, *, running: bool = False) -
     """
     r = _radii_on_roll(result, radius)
     if running:
-        P, hoop = result.running_stage.stresses_at(r)
+        P, hoop = result.as_wound.stresses_at(r)
         return {"pressure": P[()], "hoop_stress": hoop[()]}
     x = np.log(result.radius)
     P, Q = interpolate_pressure(x, result.pressure, result.pressure_gradient, np.log(r))
@@ -163,10 +163,10 @@ def stages_at(
     return stages
 
 
-def running_stage(result: Any) -> Stage:
-    """Return the finished roll while it still runs, at the nodes of the result.
+def wound_stage(result: Any) -> Stage:
+    """Return the roll as wound, while it still runs, at the nodes of the result.
 
-    The changes after winding do not apply to it.
+    It is the roll before the changes of the finished roll.
 
     Raises
     ------
