@@ -96,6 +96,10 @@ def of_roll(problem: Any) -> tuple[str, ...]:
     axisymmetric = "The roll is axisymmetric, its layers in static equilibrium and elastic."
     change = "Temperature and shrinkage change the finished roll at once, without creep."
     changes = problem.temperature_change or problem.core_shrinkage
+    released = (
+        "The core is removed at once; layers that are relieved follow the law of the stack back: "
+        "its hysteresis, by which the pressure would fall faster, is neglected."
+    )
     return (
         axisymmetric,
         _across(problem, UNIFORM_THICKNESS),
@@ -103,6 +107,7 @@ def of_roll(problem: Any) -> tuple[str, ...]:
         "The radial stiffness depends on the pressure alone, loading and unloading alike.",
         "The layers neither slip nor creep.",
         *([change] if changes else []),
+        *([released] if problem.core_removed else []),
     )
 
 

@@ -8,8 +8,9 @@ import numpy as np
 
 from ..errors import NotConverged
 from .build_up import Layers
-from .equations import StageData, interpolate_pressure
-from .finished import add_constant, equations_of, final_changes
+from .equations import interpolate_pressure
+from .finished import add_constant, equations_of, final_changes, finished_zones
+from .separation import solve_on_core
 from .stage_nodes import cell_source
 
 __all__ = ["finite_layer_effects", "finite_layer_stresses", "layers_of"]
@@ -40,14 +41,21 @@ def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
     source = add_constant(cell_source(tension, result.layer_kappa, x), source_change)
     T_c = float(tension.at(result.radius[:1])[0]) + core_change
     P, Q, own = result.pressure, result.pressure_gradient, layers.own_pressure(x)
-    # nothing presses on the outermost layer
-    solved = layers.equations.solve(StageData(x, source, T_c, -float(own[-1])), P, Q)
-    if solved is None:
+    # nothing presses on the outermost layer, nor on the ends of open zones, whose edges are kept
+    zones = finished_zones(result.problem, P, Q)
+    stage, part = zones.stage(x, source, T_c, -own), zones.nodes
+    never_on_core = zones.off_core.copy()
+    never_on_core[0] = result.problem.core_removed or part[0] > 0
+    found = solve_on_core(layers.equations, stage, P[part], Q[part], never_on_core)
+    if found is None:
         raise NotConverged("the roll with layers of the web thickness could not be solved", result)
+    solved = found[0]
     # r p' = h T'/2 - p, at a kink on its outer side
     side = np.append(np.ones(x.size - 1), -1)
     hoop_of_own = -h / 2 * tension.slope(result.radius, side)
-    return solved.P + own - P, (P + Q) - (solved.P + solved.Q) + hoop_of_own
+    change = solved.P + (own - P)[part]
+    hoop_change = (P + Q + hoop_of_own)[part] - (solved.P + solved.Q)
+    return zones.spread(change, x.size), zones.spread(hoop_change, x.size)
 
 
 def finite_layer_effects(result: Any) -> dict[str, float]:
@@ -64,12 +72,13 @@ def finite_layer_effects(result: Any) -> dict[str, float]:
     size = np.abs(change) * _higher_order_factor(change, result.pressure)
     # the smooth curve, and the inner and the outer faces
     hoop = result.hoop_stress + hoop_change, *_hoop_stress_at_faces(result, change, hoop_change)
-    least = result.least_hoop_stress
+    least, bore = result.least_hoop_stress, result.bore_hoop_stress
     return {
         "peak_pressure": float(np.max(size)),
         "core_pressure": float(size[0]),
         "mid_pressure": float(max(*np.interp(middle, r, size), *size[near_middle])),
         "least_hoop_stress": max(abs(float(np.min(curve)) - least) for curve in hoop),
+        "bore_hoop_stress": max(abs(float(curve[0]) - bore) for curve in hoop),
     }
 
 
@@ -80,8 +89,10 @@ def _higher_order_factor(change: Array, pressure: Array) -> Array:
     P = p/x, and finite ones to p/(1 - exp(-x)): a relative change of x/(1 - exp(-x)) - 1, of which
     the term of first order is x/2.  The factor is between 1 and 2.
     """
-    x = 2 * np.abs(change) / np.maximum(pressure, np.finfo(float).tiny)
-    x = np.clip(x, 1e-4, 1e4)  # below, the factor is 1 + x/6
+    size = 2 * np.abs(change)
+    # at most 1e4, also where the pressure is zero
+    x = size / np.maximum(pressure, np.maximum(1e-4 * size, np.finfo(float).tiny))
+    x = np.maximum(x, 1e-4)  # below, the factor is 1 + x/6
     return np.asarray((x / -np.expm1(-x) - 1) / (x / 2))
 
 

@@ -25,7 +25,7 @@ from .stage_nodes import cell_source, kinks_of, nodes_between
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-__all__ = ["Stage", "stage_arrays", "stages_at", "stresses_between"]
+__all__ = ["Stage", "stage_arrays", "stages_at", "stresses_between", "wound_stage"]
 
 Array = np.ndarray
 FEWEST_CELLS = 23
@@ -99,6 +99,7 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
         # the changes after winding do not apply to a stage
         temperature_change=0.0,
         core_shrinkage=0.0,
+        core_removed=False,
     )
     arrays = finished_arrays(stage, x, growth, solved)
     layer_growth = result.layer_kappa.truncate(growth.x[-1]).kappa
@@ -134,6 +135,22 @@ def stages_at(result: Any, radii: Sequence[float], cells: int | None = None) -> 
             arrays = r, solved.P, solved.Q
         stages.append(Stage(*arrays, tension))
     return stages
+
+
+def wound_stage(result: Any) -> Stage:
+    """Return the roll as wound, before the changes of the finished roll.
+
+    Parameters
+    ----------
+    result : RollResult
+    """
+    problem = result.problem
+    R, cells = problem.radius, max(result.radius.size - 1, FEWEST_CELLS)
+    ((x, solved),) = _solve_stages(result, [R], cells)
+    r = np.exp(x)
+    r[0], r[-1] = problem.core.radius, R  # without rounding
+    tension = float(problem.tension_curve.at(np.array(R)) * problem.web_thickness)
+    return Stage(r, solved.P, solved.Q, tension)
 
 
 def _radii_on_roll(result: Any, radius: ArrayLike) -> Array:
