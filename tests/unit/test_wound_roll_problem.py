@@ -73,10 +73,11 @@ def test_result_file_round_trip(result, tmp_path, ending: str):
     assert again.at(0.1).radius[-1] == 0.1  # the build-up is in the file
 
 
-def test_changes_too_large_to_settle_are_reported_by_what_they_do():
-    """Not by an estimated error of 1e297 of the pressure."""
-    with pytest.raises(wo.NotConverged, match="all layers separate"):
-        wo.solve(ROLL.replace(temperature_change=1000.0, radial_expansion=-1e-2))
+def test_changes_that_open_nearly_the_whole_roll_are_warned_of():
+    """Not by an estimated error of 1e297 of the pressure: a few layers stay on the core."""
+    with pytest.warns(wo.ValidityWarning, match=r"separated from 44\.51 to 150 mm radius"):
+        result = wo.solve(ROLL.replace(temperature_change=1000.0, radial_expansion=-1e-2))
+    assert result.residuals.largest <= 1e-8
 
 
 def test_a_stack_too_soft_to_wind_on_is_reported_so():

@@ -90,6 +90,7 @@ class Rings:
             middle * (self.nu / 2 - r[1:] / self.d),
         )
         hoop_in, hoop_out = share * r[:-1] / self.d, -share * r[1:] / self.d
+        self.largest = np.max(P)
         for _ in range(50):
             hoop, moved = self.state(P, k)
             miss = (
@@ -118,7 +119,7 @@ class Rings:
             else:
                 *_, change, _ = lapack.dgtsv(low, diagonal, high, miss, 1, 1, 1, 1)
             P[:k] -= change
-            if np.max(np.abs(change)) <= 1e-9 * np.max(P):
+            if np.max(np.abs(change)) <= 1e-9 * (self.largest if finished else np.max(P)):
                 return P
         raise AssertionError("the rings find no equilibrium")
 
@@ -271,6 +272,11 @@ def misses(problem: wo.RollProblem) -> dict[str, float] | None:
         result = wo.solve(problem)
     except wo.InvalidProblem:  # the energy of the stack is indefinite at the pressure reached
         return None
+    except wo.NotConverged as fault:
+        rings = Rings(problem, 6)  # which keep less than 1e-5 of the pressure as wound, as claimed
+        if "all layers separate" in str(fault) and np.max(rings.P) < 1e-5 * rings.largest:
+            return None
+        raise
     rings = Rings(problem, 6)
     middle = (problem.core.radius + problem.radius) / 2
     laps = {
@@ -344,8 +350,8 @@ COIL = wo.RollProblem(
 def random_release(seed: int) -> wo.RollProblem:
     """Return a random roll that is taken off its core, whose core shrinks away, or is soft.
 
-    Every third one of the first two kinds is dried or cooled too, by up to the strain of its
-    tension, so that layers separate in some of them.
+    Every third one of the first two kinds shrinks through its stack too, by up to three times the
+    strain of its tension, so that layers separate in some of them.
     """
     roll, rng = random_roll(seed), np.random.default_rng([seed, 1])
     strain = float(roll.tension_curve.at(np.array(roll.core.radius))) / roll.stack.tangential
@@ -359,7 +365,7 @@ def random_release(seed: int) -> wo.RollProblem:
         roll = roll.replace(core_removed=True)
     if kind < 2 and rng.random() < 1 / 3:
         roll = roll.replace(
-            temperature_change=-10.0, radial_expansion=float(rng.uniform(0, 1)) * strain / 10,
+            temperature_change=-10.0, radial_expansion=float(rng.uniform(0, 3)) * strain / 10,
             tangential_expansion=0.0,
         )  # fmt: skip
     return roll

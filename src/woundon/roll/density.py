@@ -11,10 +11,10 @@ mass is dm = rho h dL.  Divided by the increase of the roll volume, it is the de
 analyser measures during winding, from the diameter and the length of web on the roll.  Divided by
 the final volume of these layers, at r + u, it is the density of the finished roll, in which
 
-    du/dr = (1 + kappa) T/E_t + eps_r,    eps_r = -F(P) - nu sigma_t/E_t + alpha_r dT + g
+    du/dr = (1 + kappa) T/E_t + eps_r,    eps_r = -F(P) - nu sigma_t/E_t + alpha_r dT + eps_g
 
-(g by gaps between open layers) follows from the equations (:mod:`.equations`), so that a layer of
-the finished roll has the thickness h_0 (1 + eps_r) to first order of the strains, h (1 - (F(P) -
+(eps_g by gaps between open layers) follows from the equations (:mod:`.equations`), so that a layer
+of the finished roll has the thickness h_0 (1 + eps_r) to first order of the strains, h (1 - (F(P) -
 F(p_c))) without the other parts of eps_r: mass is conserved, and a layer under the pressure p_c has
 the thickness h.
 """

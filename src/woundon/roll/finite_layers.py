@@ -70,6 +70,8 @@ def finite_layer_effects(result: Any) -> dict[str, float]:
     middle = r[0] + build_up * (0.5 + NEIGHBOURHOOD * np.array([-1.0, 1.0]))
     near_middle = (middle[0] <= r) & (r <= middle[1])
     size = np.abs(change) * _higher_order_factor(change, result.pressure)
+    factor = _factor_at_core(result)
+    size[0] = max(size[0], abs(change[0]) * factor)
     # the smooth curve, and the inner and the outer faces
     hoop = result.hoop_stress + hoop_change, *_hoop_stress_at_faces(result, change, hoop_change)
     least, bore = result.least_hoop_stress, result.bore_hoop_stress
@@ -77,8 +79,11 @@ def finite_layer_effects(result: Any) -> dict[str, float]:
         "peak_pressure": float(np.max(size)),
         "core_pressure": float(size[0]),
         "mid_pressure": float(max(*np.interp(middle, r, size), *size[near_middle])),
-        "least_hoop_stress": max(abs(float(np.min(curve)) - least) for curve in hoop),
-        "bore_hoop_stress": max(abs(float(curve[0]) - bore) for curve in hoop),
+        "least_hoop_stress": max(
+            abs(float(np.min(curve)) - least) * (1.0 if np.argmin(curve) else factor)
+            for curve in hoop
+        ),
+        "bore_hoop_stress": max(abs(float(curve[0]) - bore) for curve in hoop) * factor,
     }
 
 
@@ -94,6 +99,23 @@ def _higher_order_factor(change: Array, pressure: Array) -> Array:
     x = size / np.maximum(pressure, np.maximum(1e-4 * size, np.finfo(float).tiny))
     x = np.maximum(x, 1e-4)  # below, the factor is 1 + x/6
     return np.asarray((x / -np.expm1(-x) - 1) / (x / 2))
+
+
+def _factor_at_core(result: Any) -> float:
+    """Return the factor of a change at the core that includes the terms of higher order.
+
+    At a soft core, b > 0, the pressure on it by a layer at s is p/(1 + b ln(s/r_c)), not an
+    exponential: with z = r_c/(b h), the sum over layers is sum_n 1/(1 + n/z), and it exceeds the
+    integral by z (ln z - digamma(z)) instead of 1/2.
+    """
+    from scipy.special import digamma
+
+    b, h = equations_of(result.problem).core, float(result.problem.web_thickness)
+    if b <= 0 or result.is_off_core:
+        return 1.0
+    z = result.problem.core.radius / (b * h)
+    # for large z, ln z and digamma cancel: their difference is 1/(2 z) + 1/(12 z^2) - ...
+    return 1 + 1 / (6 * z) if z > 100 else float(2 * z * (np.log(z) - digamma(z)))
 
 
 def _hoop_stress_at_faces(result: Any, change: Array, hoop_change: Array) -> tuple[Array, Array]:

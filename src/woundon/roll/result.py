@@ -185,7 +185,7 @@ class RollResult(WithLanes, Result):
     @property
     def opening(
         self,
-    ) -> Annotated[Array, strain("g", "gaps between the layers, per thickness of the layers")]:
+    ) -> Annotated[Array, strain("eps_g", "gaps between the layers, per thickness of the layers")]:
         """Radial strain by gaps between open layers, C/E_t; zero where they are in contact [1]."""
         is_open = (self.pressure == 0) & (self.pressure_gradient == 0)
         return np.where(is_open, self.source / self.problem.stack.tangential, 0.0)

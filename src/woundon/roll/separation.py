@@ -1,15 +1,15 @@
 r"""Contact in the finished roll: between core and roll, and between the layers.
 
 After winding the core may be removed, or shrink away from the roll, and layers may part.  A contact
-presses, P >= 0, or is open, with a gap >= 0.  With the strain g >= 0 by gaps between the layers the
-equations of a stage (:mod:`.equations`) become
+presses, P >= 0, or is open, with a gap >= 0.  With the strain eps_g >= 0 by gaps between the layers
+the equations of a stage (:mod:`.equations`) become
 
-    r^2 P'' + 3 r P' + P - E_t F(P) = C - E_t g,      P >= 0,   g >= 0,   P g = 0,
-    (gap at the core)/r_c = (b P - T_c - Q)/E_t,      P >= 0,   gap >= 0,   P gap = 0.
+    r^2 P'' + 3 r P' + P - E_t F(P) = C - E_t eps_g,   P >= 0,   eps_g >= 0,   P eps_g = 0,
+    (gap at the core)/r_c = (b P - T_c - Q)/E_t,       P >= 0,   gap >= 0,     P gap = 0.
 
-Open layers carry nothing, P = Q = 0, and g = C/E_t.  The layers on either side of an open zone are
-therefore rolls of their own, with P = 0 at their ends.  At the edge of an open zone inside the roll
-Q = 0 too, which determines its radius.
+Open layers carry nothing, P = Q = 0, and eps_g = C/E_t.  The layers on either side of an open zone
+are therefore rolls of their own, with P = 0 at their ends.  At the edge of an open zone inside the
+roll Q = 0 too, which determines its radius.
 
 For E_r < E_t the equations are those of the minimum of a strictly convex energy under P >= 0: there
 is one solution, whichever change opened the contacts, and in whatever order.
@@ -42,6 +42,7 @@ STEP_TOLERANCE = 1e-9  # relative change of the pressure by the last step of the
 # of Q at an edge, relative to the largest pressure, or T_c if that is larger
 EDGE_TOLERANCE = 1e-9
 SHORTEST = 1e-3  # of a cell of the finite differences: shortest zone on the core
+NEGLIGIBLE = 1e-5  # pressure, relative to the largest as wound: all layers are open
 OPEN_CELLS = 8  # in each open zone
 
 
@@ -194,7 +195,9 @@ def with_open_layers(
     differences = _Differences(equations, fine, source_at(fine), T_c, removed)
     coarse = differences.solve(np.maximum(np.interp(fine, x, P), 0.0))
     zones = _zones_of(coarse > 0)
-    if not zones:
+    if coarse[0] == 0 and T_c > 0 and not removed:
+        zones.insert(0, (0, 0))  # on the core, thinner than a cell of the finite differences
+    if not zones or 0 < np.max(coarse) <= NEGLIGIBLE * np.max(P):
         raise NotSeparatedError("all layers separate")
     in_contact = _Zones(equations, source_at, nodes_between, T_c, fine, coarse)
     solved = [in_contact.solve(first, last) for first, last in zones]
