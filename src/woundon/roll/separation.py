@@ -332,17 +332,16 @@ class _Zones:
 
         names, scale = list(edges), max(float(np.max(self.P)), abs(self.T_c))
 
-        def ends_of(places: Array) -> list[float]:
-            """Return both ends of the zone with edges at given places in their intervals."""
+        def with_edges_at(places: Array | float) -> tuple[Array, Array, Array]:
+            """Return nodes, P and Q of the zone with edges at given places in their intervals."""
             ends = [float(self.x[0]), float(self.x[-1])]
             for name, place in zip(names, np.atleast_1d(places), strict=True):
                 ends[name] = float(np.clip(place, *edges[name]))
-            return ends
+            return self._between(ends[0], ends[1], on_core)
 
-        def gradients(places: Array) -> Array:
+        def gradients(places: Array | float) -> Array:
             """Return Q at the edges, relative to the stresses of the roll."""
-            _, _, Q = self._between(*ends_of(places), on_core)
-            return np.asarray(Q[names] / scale)
+            return np.asarray(with_edges_at(places)[2][names] / scale)
 
         places = np.zeros(0)
         if len(names) == 1:
@@ -353,7 +352,7 @@ class _Zones:
             places = np.array([brentq(lambda place: gradients(place)[0], low, high, xtol=1e-15)])
         elif names:
             places = root(gradients, [sum(edges[name]) / 2 for name in names], tol=1e-13).x
-        nodes, P, Q = self._between(*ends_of(places), on_core)
+        nodes, P, Q = with_edges_at(places)
         if np.any(np.abs(Q[names]) > EDGE_TOLERANCE * scale):
             raise NotSeparatedError("the edges of an open zone are not found")
         return nodes, P, Q
