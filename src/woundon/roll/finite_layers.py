@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,7 +14,15 @@ from .finished import add_constant, equations_of, final_changes, finished_zones
 from .separation import solve_on_core
 from .stage_nodes import cell_source
 
-__all__ = ["finite_layer_effects", "finite_layer_stresses", "layers_of"]
+if TYPE_CHECKING:
+    from ..problems.roll import RollProblem
+
+__all__ = [
+    "finite_layer_effects",
+    "finite_layer_stresses",
+    "layers_of",
+    "with_bore_displacement",
+]
 
 Array = np.ndarray
 
@@ -59,7 +68,7 @@ def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
 
 
 def finite_layer_effects(result: Any) -> dict[str, float]:
-    """Return the change by finite layers of each output that has an error estimate [Pa].
+    """Return the change by finite layers of each output that has an error estimate [SI].
 
     The hoop stress varies across a layer: its minimum is compared with that of a smooth curve
     through the layers, and at both faces of the layers.  The change may have a zero in the middle
@@ -75,7 +84,7 @@ def finite_layer_effects(result: Any) -> dict[str, float]:
     # the smooth curve, and the inner and the outer faces
     hoop = result.hoop_stress + hoop_change, *_hoop_stress_at_faces(result, change, hoop_change)
     least, bore = result.least_hoop_stress, result.bore_hoop_stress
-    return {
+    effects = {
         "peak_pressure": float(np.max(size)),
         "core_pressure": float(size[0]),
         "mid_pressure": float(max(*np.interp(middle, r, size), *size[near_middle])),
@@ -85,6 +94,18 @@ def finite_layer_effects(result: Any) -> dict[str, float]:
         ),
         "bore_hoop_stress": max(abs(float(curve[0]) - bore) for curve in hoop) * factor,
     }
+    return with_bore_displacement(result.problem, effects)
+
+
+def with_bore_displacement(problem: RollProblem, errors: Mapping[str, float]) -> dict[str, float]:
+    """Return errors of a roll's outputs with that of the bore's displacement [m].
+
+    The displacement is r_c times the change of the strain (sigma_t + nu P)/E_t at the bore, whose
+    errors are those of ``bore_hoop_stress`` and ``core_pressure`` [Pa].
+    """
+    stack, r_c = problem.stack, problem.core.radius
+    stress = errors["bore_hoop_stress"] + stack.poissons_ratio * errors["core_pressure"]
+    return {**errors, "bore_displacement": r_c * stress / stack.tangential}
 
 
 def _higher_order_factor(change: Array, pressure: Array) -> Array:

@@ -32,7 +32,12 @@ from .build_up import (
 from .certificate import certificate
 from .equations import interpolate_pressure
 from .finished import equations_of, finished_arrays, finished_zones, surface_layer_depth
-from .finite_layers import NEIGHBOURHOOD, finite_layer_effects, layers_of
+from .finite_layers import (
+    NEIGHBOURHOOD,
+    finite_layer_effects,
+    layers_of,
+    with_bore_displacement,
+)
 from .lane_roll import FEWEST_LANES, LANES, MOST_LANES, LaneRoll, NipsAcross, solve_lanes
 from .result import RollResult
 from .stage_nodes import source_error
@@ -216,6 +221,7 @@ def solve_thin_layers(
         if coarse is not None:
             node_errors = _node_errors(coarse, result)
             errors = {name: node_errors[name] + stage_errors[name] for name in node_errors}
+            errors = with_bore_displacement(problem, errors)
             error = errors["peak_pressure"] / peak
             if error <= rtol:
                 result = _check_stack_law(result.replace(steps=steps, errors=errors), build_up)

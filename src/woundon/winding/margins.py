@@ -489,11 +489,13 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
         )
         raise InvalidProblem.at("limits.acceleration", text)
     torque_data, states = WindingTorque.of(result), _states(roll)
+    # a roll that has left its core passes no torque to it, nor presses on it
+    on_core = [*states[:-1], _state(roll.as_wound)] if roll.is_off_core else states
     worst: tuple[Margin, ...] = (
-        _slip(states, roll, limits, torque_data),
+        _slip(on_core, roll, limits, torque_data),
         _compression(states, roll, limits),
         _blocking(states[-1], limits),
-        _core(states, roll.problem.core, limits),
+        _core(on_core, roll.problem.core, limits),
         _strength(states[-1], roll, limits, torque_data),
         _slack(roll, limits, torque_data),
         _gauge_band(roll, limits),
