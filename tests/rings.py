@@ -22,7 +22,7 @@ class Rings:
     def __init__(self, problem: wo.RollProblem, parts: int) -> None:
         stack, h = problem.stack, problem.web_thickness
         laps = round((problem.radius - problem.core.radius) / h)
-        count, self.d = laps * parts, h / parts
+        count, self.d, self.parts = laps * parts, h / parts, parts
         self.law, self.E, self.nu = stack.radial, stack.tangential, stack.poissons_ratio
         self.E_c = problem.core.effective_stiffness
         self.r = problem.core.radius + self.d * np.arange(count + 1)
@@ -49,15 +49,22 @@ class Rings:
                 self.below[k] = moved[-1] - strain
             P = np.concatenate([P[:k], self.inner[k : k + parts], [0.0]])
         if self.c:
-            self.running_P = self.pressed(P, count, 0.0)
-            self.running_hoop = self.state(self.running_P, count)[0].reshape(laps, parts).mean(1)
-            self.running_P = self.running_P[::parts]
+            running = self.pressed(P, count, 0.0)
+            self.running_hoop = self.state(running, count)[0].reshape(laps, parts).mean(axis=1)
+            self.running_P = running[::parts]
         self.turn = 0.0
         dT = problem.temperature_change
         self.grown = problem.tangential_expansion * dT, problem.radial_expansion * dT
         self.core_grown = problem.core_expansion * dT - problem.core_shrinkage
-        P = self.pressed(P, count, 0.0)
-        hoop = self.state(P, count)[0].reshape(laps, parts)
+        self.removed, self.open = problem.core_removed, np.zeros(count, dtype=bool)
+        P = self.pressed(P, count, 0.0, finished=True)
+        hoop, moved = self.state(P, count)
+        # of the innermost face: half a ring is thinner by its compression and by its tension
+        strain = self.law.strain_at(P[0]) - self.law.strain_at(self.inner[0]) - self.grown[1]
+        self.bore_moved = moved[0] + self.d / 2 * (
+            strain + self.nu / self.E * (hoop[0] - self.T[0])
+        )
+        hoop = hoop.reshape(laps, parts)
         self.mean_hoop = hoop.mean(axis=1)
         self.P, self.r = P[::parts], self.r[::parts]
         if parts > 1:  # extrapolated to the faces of each lap
@@ -71,8 +78,12 @@ class Rings:
         since = hoop - self.T[:k] + self.nu * ((P[1:] + P[:-1]) / 2 - self.own[:k])
         return hoop, self.middle[:k] * (since / self.E + self.grown[0])
 
-    def pressed(self, P: np.ndarray, k: int, top: float) -> np.ndarray:
-        """Return the pressures of k rings under a pressure on the last, by Newton's method."""
+    def pressed(self, P: np.ndarray, k: int, top: float, finished: bool = False) -> np.ndarray:
+        """Return the pressures of k rings under a pressure on the last, by Newton's method.
+
+        In the finished roll a lap may leave the one below it, or the core: pressure and gap are
+        both at least zero, and one of them is zero.  A core that is removed has left the first.
+        """
         P = np.append(P[:k], top)
         share, half = self.nu / self.E * self.d / 2, np.append(0.5, np.ones(k - 1))
         r, middle = self.r[: k + 1], self.middle[:k] / self.E
@@ -81,6 +92,7 @@ class Rings:
             middle * (self.nu / 2 - r[1:] / self.d),
         )
         hoop_in, hoop_out = share * r[:-1] / self.d, -share * r[1:] / self.d
+        self.largest = np.max(P)
         for _ in range(50):
             hoop, moved = self.state(P, k)
             miss = (
@@ -95,11 +107,20 @@ class Rings:
             diagonal[0] += self.r[0] / self.E_c
             diagonal[1:] -= by_out[:-1] - hoop_out[:-1]
             low, high = hoop_in[:-1] - by_in[:-1], (by_out + hoop_out)[:-1]
+            if finished:
+                faces = np.arange(k) % self.parts == 0  # within a lap nothing parts
+                self.open = faces & (P[:k] * diagonal < miss)  # at P = 0, miss is the gap
+                self.open[0] |= self.removed
+                diagonal, miss = (
+                    np.where(self.open, 1.0, diagonal),
+                    np.where(self.open, P[:k], miss),
+                )
+                low, high = np.where(self.open[1:], 0.0, low), np.where(self.open[:-1], 0.0, high)
             if k == 1:
                 change = miss / diagonal
             else:
                 *_, change, _ = lapack.dgtsv(low, diagonal, high, miss, 1, 1, 1, 1)
             P[:k] -= change
-            if np.max(np.abs(change)) <= 1e-9 * np.max(P):
+            if np.max(np.abs(change)) <= 1e-9 * (self.largest if finished else np.max(P)):
                 return P
         raise AssertionError("the rings find no equilibrium")

@@ -125,7 +125,8 @@ def test_air_between_the_layers_reduces_their_friction():
     sections = interior_stress(nip, z)
     dry_friction, p_a, film = nip.problem.roll_friction, 101325.0, nip.air.film
     excess, ratio, dry_ratio = [], [], []
-    for section, P0 in zip(sections, nip.wound_on_tension / h * z / 0.2, strict=True):
+    pressing = nip.wound_on_tension - nip.centrifugal_tension
+    for section, P0 in zip(sections, pressing / h * z / 0.2, strict=True):
         shear, p = np.abs(section.shear), -section.normal
         # full friction up to a film of one roughness, none from three roughnesses on
         share = np.clip((3 - film * p_a / (p_a + P0 + p) / 1e-6) / 2, 0, 1)

@@ -101,6 +101,10 @@ def of_roll(problem: Any) -> tuple[str, ...]:
     axisymmetric = "The roll is axisymmetric, its layers in static equilibrium and elastic."
     change = "Temperature and shrinkage change the finished roll at once, without creep."
     changes = problem.temperature_change or problem.core_shrinkage
+    released = (
+        "The core is removed at once; layers that are relieved follow the law of the stack back: "
+        "its hysteresis, by which the pressure would fall faster, is neglected."
+    )
     return (
         axisymmetric,
         _across(problem, UNIFORM_THICKNESS),
@@ -109,6 +113,7 @@ def of_roll(problem: Any) -> tuple[str, ...]:
         "The layers neither slip nor creep.",
         *([change] if changes else []),
         *_rotation(problem),
+        *([released] if problem.core_removed else []),
     )
 
 

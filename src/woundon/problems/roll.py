@@ -14,7 +14,7 @@ from ..quantities import Quantity, length, share, strain, stress, tension, thick
 from .air_law import AirBetween
 from .assumptions import of_roll
 from .description import Description
-from .fields import Nested, Number, OptionalNested, OptionalNumber, default
+from .fields import Flag, Nested, Number, OptionalNested, OptionalNumber, default
 from .materials import Isotropic, OptionalMaterial
 from .messages import quote
 from .permitted import Conditional, is_within
@@ -182,6 +182,8 @@ class RollProblem(Problem):
         Coefficients of thermal expansion along the web, through the stack, of the core [1/K].
     core_shrinkage : float
         Relative shrinkage of the unloaded core of the finished roll [1].
+    core_removed : bool
+        True for a roll that is taken off its core or mandrel after winding.
 
     Raises
     ------
@@ -259,6 +261,9 @@ class RollProblem(Problem):
     core_shrinkage: Annotated[
         Number, strain("e_c", "shrinkage of the core in the finished roll"), Field(ge=-0.1, le=0.1)
     ] = default(0.0)
+    core_removed: Annotated[
+        Flag, Field(description="the core or mandrel is removed after winding")
+    ] = default(False)
 
     @model_validator(mode="after")
     def _check_build_up(self) -> Self:
@@ -359,6 +364,7 @@ class RollProblem(Problem):
         return (
             "stack.shear_exponent",  # an axisymmetric roll is not sheared
             *(expansions if self.temperature_change == 0 else ()),
+            *(("core_shrinkage", "core_expansion") if self.core_removed else ()),
             *(() if expands else ("temperature_change",)),
             *unused_in_tapers(self, ("wound_on_tension",)),
             *(("oscillation",) if self.thickness_profile is None else ()),

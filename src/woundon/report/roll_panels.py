@@ -24,7 +24,6 @@ __all__ = [
     "radii_between",
     "radius_axis",
     "roll_panels",
-    "running_curves",
     "scale_of",
     "with_compression",
 ]
@@ -36,7 +35,6 @@ OUTWARD = 200  # of a coloured disc
 # times the depth of the compression.
 ABOVE, BELOW = 5.0, 1.3
 MARGIN = 0.05  # of the values, above the largest one
-AT_REST = "at rest"  # of a roll with centrifugal force
 # of pressures next to the largest one, below zero
 ROUNDING = 1e-9
 
@@ -140,23 +138,27 @@ def over_radius(
 def pressure(roll: RollResult) -> Panel:
     """Return the panel of the pressure between the layers."""
     r, quantity = radii_between(roll), quantity_of(roll, "pressure")
-    running = running_curves(roll, "pressure")
-    label = AT_REST if running else ""
-    curve = Curve("pressure", r, roll.at_radius(r)["pressure"], quantity.symbol, label)
+    curve = Curve("pressure", r, roll.at_radius(r)["pressure"], quantity.symbol)
+    curves = [curve]
+    if _has_changed(roll):
+        as_wound = roll.as_wound.stresses_at(r)[0]
+        curves = _before_and_after(roll, "pressure", r, as_wound, curve)
     y = Axis("Pressure $P$", quantity, from_zero=True)
-    return over_radius(roll.radius, "pressure", "Pressure", y, [curve, *running], height=2.8)
+    return over_radius(roll.radius, "pressure", "Pressure", y, curves, height=2.8)
 
 
-def running_curves(roll: RollResult, name: str) -> list[Curve]:
-    """Return the curve of ``pressure`` or ``hoop_stress`` of the running roll.
+def _has_changed(roll: RollResult) -> bool:
+    """Return True if the finished roll differs from the roll as wound, which may have run."""
+    return roll.is_changed or bool(roll.problem.centrifugal_stress)
 
-    None without centrifugal force.
-    """
-    if not roll.problem.centrifugal_stress:
-        return []
-    r, output = radii_between(roll), f"running_{name}"
-    values, symbol = roll.at_radius(r, running=True)[name], quantity_of(roll, output).symbol
-    return [Curve(output, r, values, symbol, "running", "drum", "dashed", alone=True)]
+
+def _before_and_after(
+    roll: RollResult, name: str, r: Array, as_wound: Array, finished: Curve
+) -> list[Curve]:
+    """Return the curves of the finished roll, and of the roll as wound, before the changes."""
+    label = "as wound, running" if roll.problem.centrifugal_stress else "as wound"
+    before = Curve(f"{name}_as_wound", r, as_wound, label=label, colour="drum", line="dashed")
+    return [replace(finished, label="finished roll"), before]
 
 
 def hardness(roll: RollResult) -> Panel:
@@ -177,12 +179,7 @@ def displacement(roll: RollResult) -> Panel:
 def hoop_stress(roll: RollResult) -> Panel:
     """Return the panel of the hoop stress."""
     title, label = "Hoop stress", "Hoop stress $sigma_t$"
-    panel = _stress_of_layers(roll, "hoop_stress", title=title, label=label, thickness=1.0)
-    running = running_curves(roll, "hoop_stress")
-    if not running:
-        return panel
-    still = replace(panel.curves[0], label=AT_REST)
-    return replace(panel, curves=(still, *running))
+    return _stress_of_layers(roll, "hoop_stress", title=title, label=label, thickness=1.0)
 
 
 def residual_tension(roll: RollResult) -> Panel:
@@ -206,8 +203,11 @@ def _stress_of_layers(
     lowest = thickness * roll.least_hoop_stress
     y = Axis(label, quantity, cut=cut_above(lowest, values, BELOW, ABOVE))
     shade = Area("compression", r, low=np.minimum(values, 0), high=0 * r, shade="drum")
-    curve = Curve(name, r, values, quantity.symbol)
-    return with_compression(over_radius(roll.radius, name, title, y, [curve], height=2.8), shade)
+    curves = [Curve(name, r, values, quantity.symbol)]
+    if _has_changed(roll):
+        as_wound = thickness * roll.as_wound.stresses_at(r)[1]
+        curves = _before_and_after(roll, name, r, as_wound, curves[0])
+    return with_compression(over_radius(roll.radius, name, title, y, curves, height=2.8), shade)
 
 
 def with_compression(panel: Panel, shade: Area) -> Panel:

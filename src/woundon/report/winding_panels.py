@@ -21,7 +21,6 @@ from .roll_panels import (
     hoop_stress_at,
     over_radius,
     radii_between,
-    running_curves,
     scale_of,
     with_compression,
 )
@@ -174,10 +173,7 @@ def pressure(result: WindingResult) -> Panel:
     """Return the panel of the pressure at stages of the build-up."""
     y = Axis("Pressure $P$", quantity_of(result.roll, "pressure"), from_zero=True)
     place = {"column": "right", "height": 3.0}
-    curves = (
-        *_curves_of_stages(result, "pressure"),
-        *running_curves(result.roll, "pressure"),
-    )
+    curves = _curves_of_stages(result, "pressure")
     return over_radius(result.radius, "pressure", "Pressure", y, curves, **place)
 
 

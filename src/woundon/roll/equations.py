@@ -14,6 +14,9 @@ Q = r P' and D = d/dx:
     Q = b P - T_c       at the core,  b = E_t/E_c - 1 + nu,  T_c = T(r_c)
     P = P_s             at s: zero, except in a finished roll of layers of finite thickness
 
+Off its core a finished roll has P + p = 0 at its innermost radius instead of the core condition; p
+is zero except with layers of finite thickness.
+
 A further thin layer adds p = dP/ds, the solution of the linearised equations with T_c = 0, scaled
 to p = 1 at s.  Its growth kappa = D p at s determines C of the next layer:
 
@@ -109,7 +112,9 @@ class StageData:
     tension : float
         T_c of the core condition [Pa], one of all stages or (J,) of each.
     surface_pressure : float
-        P_s [Pa].
+        P_s [Pa], one of all stages or (J,) of each.
+    off_core : bool or (J,) bool array
+        True for a stage without contact at its innermost radius.
     laid_tension : float or (J,) array
         T of the outermost layer [Pa], on which only kappa of a running roll depends.
     gaps : (J - 1,) int array
@@ -120,9 +125,10 @@ class StageData:
     x: Array
     source: CellSource
     tension: float | Array
-    surface_pressure: float = 0.0
-    laid_tension: float | Array = np.nan
+    surface_pressure: float | Array = 0.0
+    off_core: bool | Array = False
     gaps: Array = field(default_factory=lambda: np.zeros(0, dtype=int))
+    laid_tension: float | Array = np.nan
 
     @cached_property
     def firsts(self) -> Array:
@@ -291,7 +297,7 @@ class StageEquations:
         shares = np.zeros(stage.lasts.size)
         return shares + self.centrifugal / stage.laid_tension if self.centrifugal else shares
 
-    def _total(self, x: Array, P: Array) -> Array:
+    def total(self, x: Array, P: Array) -> Array:
         """Return P + p at ln r = x, p the pressure under which the layers are wound [Pa]."""
         return P if self.own_pressure is None else P + self.own_pressure(x)
 
@@ -300,7 +306,7 @@ class StageEquations:
 
         Layers wound under a pressure p have F(P + p) - F(p) in place of F(P).
         """
-        F = self.strain(self._total(x, P))
+        F = self.strain(self.total(x, P))
         if self.own_pressure is not None:
             F = F - self.strain(self.own_pressure(x))
         return np.asarray(self.tangential * F - P - 2 * Q)
@@ -332,14 +338,18 @@ class StageEquations:
         out[2:-1:2] = Q[1:] - Q[:-1] - h / 6 * (left + 4 * middle + right)
         firsts, lasts = stage.firsts, stage.lasts
         B = self.rotation_stress(stage.depths[firsts])
-        out[2 * firsts] = Q[firsts] - self.core * P[firsts] + stage.tension - B
+        out[2 * firsts] = np.where(
+            stage.off_core,
+            self.total(x[firsts], P[firsts]),
+            Q[firsts] - self.core * P[firsts] + stage.tension - B,
+        )
         out[2 * lasts + 1] = P[lasts] - stage.surface_pressure
         return out, middle_P
 
     def _moduli(self, x: Array, P: Array, middle_P: Array) -> Array:
         """Return E_r at the nodes, then in mid-cell, (2 n + 1,) [Pa]."""
         points = np.concatenate([x, (x[1:] + x[:-1]) / 2])
-        return np.asarray(self.modulus(self._total(points, np.concatenate([P, middle_P]))))
+        return np.asarray(self.modulus(self.total(points, np.concatenate([P, middle_P]))))
 
     def _matrix(self, stage: StageData, E: Array) -> Array:
         """Return the Jacobian of the residual with respect to P and Q in LAPACK's band storage.
@@ -372,8 +382,8 @@ class StageEquations:
                 value[gaps] = 0.0
                 band[diagonal + i - j, j : j + 2 * n : 2] = value
         # the first and the last equation, and both of each gap
-        band[diagonal, 2 * stage.firsts] = -self.core
-        band[diagonal - 1, 2 * stage.firsts + 1] = 1.0
+        band[diagonal, 2 * stage.firsts] = np.where(stage.off_core, 1.0, -self.core)
+        band[diagonal - 1, 2 * stage.firsts + 1] = np.where(stage.off_core, 0.0, 1.0)
         band[diagonal + 1, 2 * stage.lasts] = 1.0
         return band
 
@@ -483,7 +493,7 @@ class StageEquations:
         half = stage.lengths / 2
         quadrature = np.exp(2 * stage.depths) * (np.append(half, 0) + np.append(0, half))
         # some laws have an infinite slope at P = 0, where p has no effect
-        E_slope = self.modulus_slope(self._total(stage.x, P))
+        E_slope = self.modulus_slope(self.total(stage.x, P))
         E_slope = np.where(np.isfinite(E_slope), E_slope, 0.0)
         return np.asarray(-quadrature * layer * unit_layer * self.tangential * E_slope / E**2)
 
@@ -547,27 +557,25 @@ class StageEquations:
             stage = stage.with_source_changed(source_change)
         return None
 
-    def linear_response(
-        self, x: Array, P: Array, Q: Array, change: CellSource
-    ) -> tuple[Array, Array]:
-        """Return the linear response of P and Q of a stage to a small change of the source [Pa].
+    def linear_response(self, stage: StageData, P: Array, Q: Array) -> tuple[Array, Array]:
+        """Return the linear response of P and Q of stages to a small change of the source [Pa].
 
         Two (n + 1,) arrays, infinite if the linearised equations are singular.
 
         Parameters
         ----------
-        x, P, Q : (n + 1,) arrays
-            ln r of the nodes, pressure and Q = r dP/dr there [Pa].
-        change : CellSource
-            Change of the source C in every cell [Pa].
+        stage : StageData
+            Its ``source`` is the change of the source C in every cell.
+        P, Q : (n + 1,) arrays
+            Pressure and Q = r dP/dr at the nodes [Pa].
         """
-        h = np.diff(x)
+        h = stage.lengths
         try:
             middle_P = (P[1:] + P[:-1]) / 2 - h / 8 * np.diff(Q)
-            factors, _ = self._factorised(StageData(x, change, 0.0), P, middle_P)
+            factors, _ = self._factorised(stage, P, middle_P)
         except SingularStageError:
             return np.full_like(P, np.inf), np.full_like(Q, np.inf)
-        out = factors.solve(-source_residual(h, change))
+        out = factors.solve(-source_residual(h, stage.source))
         return out[::2], out[1::2]
 
 

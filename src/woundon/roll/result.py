@@ -15,11 +15,13 @@ from ..arguments import check_type
 from ..quantities import Quantity, length, line_load, pure, share, strain, stress
 from ..results import Residuals, Result
 from .certificate import certificate
+from .collapse import collapse_loads
 from .density import density_during_winding, finished_density, volume, wound_length
+from .finished import core_gap, final_changes
 from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .growth import Growth
 from .lane_roll import LANES, LaneRoll, WithLanes, build_up_of, solve_lanes
-from .stages import Stage, wound_stage, stage_arrays, stresses_between
+from .stages import Stage, stage_arrays, stresses_between, wound_stage
 from .validity import roll_warnings
 
 if TYPE_CHECKING:
@@ -152,17 +154,87 @@ class RollResult(WithLanes, Result):
         return float(np.min(self.hoop_stress))
 
     @property
+    def is_changed(self) -> bool:
+        """True if the finished roll differs from the roll as wound."""
+        return self.problem.core_removed or any(final_changes(self.problem))
+
+    @cached_property
+    def as_wound(self) -> Stage:
+        """The roll as wound, before the changes of the finished roll."""
+        return wound_stage(self)
+
+    @property
+    def is_off_core(self) -> bool:
+        """True if the roll does not touch its core: it is removed, or has shrunk away."""
+        return self.problem.core_removed or self.pressure[0] == 0
+
+    @property
+    def bore_hoop_stress(
+        self,
+    ) -> Annotated[float, stress("sigma_b", "hoop (MD) stress at the bore, > 0: tension")]:
+        """sigma_t of the innermost layer [Pa]."""
+        return float(self.hoop_stress[0])
+
+    @property
+    def bore_displacement(
+        self,
+    ) -> Annotated[float, length("u_b", "change of the radius of the bore since winding", "um")]:
+        """Outward displacement of the innermost layer since it was wound [m].
+
+        Winding, the changes after it and the release from the core move it.
+        """
+        return float(self.displacement[0])
+
+    @property
+    def core_gap(
+        self,
+    ) -> Annotated[float, length("g_c", "gap between the core and the roll", "um")]:
+        """Radial gap between core and roll, zero if they touch [m]; nan if the core is removed."""
+        return core_gap(self)
+
+    @property
+    def opening(
+        self,
+    ) -> Annotated[Array, strain("eps_g", "gaps between the layers, per thickness of the layers")]:
+        """Radial strain by gaps between open layers, C/E_t; zero where they are in contact [1]."""
+        is_open = (self.pressure == 0) & (self.pressure_gradient == 0)
+        return np.where(is_open, self.source / self.problem.stack.tangential, 0.0)
+
+    @property
+    def separation_radius(
+        self,
+    ) -> Annotated[float, length("r_s", "outer radius of the open layers")]:
+        """Largest radius at which the layers have separated [m]; nan if none have."""
+        is_open = self.opening > 0
+        return float(self.radius[is_open][-1]) if is_open.any() else float("nan")
+
+    @property
+    def sliding_collapse_load(
+        self,
+    ) -> Annotated[float, pure("c_s", "pressure on the inner layers / buckling, free sliding")]:
+        """Pressure on the inner layers over their buckling pressure, if they slide freely [1].
+
+        Below 1 they do not collapse; nan on a core, which supports them.
+        """
+        return collapse_loads(self).sliding
+
+    @property
+    def bonded_collapse_load(
+        self,
+    ) -> Annotated[float, pure("c_b", "pressure on the inner layers / buckling, bonded layers")]:
+        """Pressure on the inner layers over their buckling pressure, if they stick together [1].
+
+        Above 1 they collapse even without slip; nan on a core, which supports them.
+        """
+        return collapse_loads(self).bonded
+
+    @property
     def compressed_share(
         self,
     ) -> Annotated[float, share("s_c", "fraction of the build-up with hoop compression")]:
         """Fraction of the radial build-up in which sigma_t < 0 [1]."""
         r = np.linspace(self.radius[0], self.radius[-1], SAMPLES)
         return float(np.mean(self.at_radius(r)["hoop_stress"] < 0))
-
-    @cached_property
-    def as_wound(self) -> Stage:
-        """The roll as wound, while it still runs: before the changes of the finished roll."""
-        return wound_stage(self)
 
     @property
     def running_pressure(

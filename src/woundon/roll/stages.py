@@ -32,7 +32,7 @@ from .stage_nodes import cell_source, kinks_of, nodes_between
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-__all__ = ["Stage", "wound_stage", "stage_arrays", "stages_at", "stresses_between"]
+__all__ = ["Stage", "stage_arrays", "stages_at", "stresses_between", "wound_stage"]
 
 Array = np.ndarray
 FEWEST_CELLS = 23
@@ -116,6 +116,7 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
         # the changes after winding do not apply to a stage
         temperature_change=0.0,
         core_shrinkage=0.0,
+        core_removed=False,
     )
     arrays = finished_arrays(stage, x, growth, solved)
     layer_growth = result.layer_kappa.truncate(growth.x[-1]).kappa
@@ -179,7 +180,7 @@ def wound_stage(result: Any) -> Stage:
     P = np.maximum(result.pressure, 0.0)  # changes after winding may separate layers
     solved = equations.solve(data, P, result.pressure_gradient)
     if solved is None:
-        raise NotConverged("the running roll could not be solved", result)
+        raise NotConverged("the roll as wound could not be solved", result)
     tension = float(curve.at(result.radius[-1:])[0]) * float(problem.web_thickness)
     rotation = problem.centrifugal_stress, problem.centrifugal_tension
     return Stage(result.radius, solved.P, solved.Q, tension, *rotation)

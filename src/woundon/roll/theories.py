@@ -40,8 +40,8 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
 
         P(r) = F(r) int_r^R T/(s F(s)) ds,    sigma_t = T - (F + r F') int_r^R T/(s F(s)) ds
 
-    the sum of the increments by each layer.  A temperature change and core shrinkage add terms in
-    r^(+-g - 1) and a constant.
+    the sum of the increments by each layer.  A temperature change, core shrinkage and the removal
+    of the core add terms in r^(+-g - 1) and a constant.  Layers are taken to stay in contact.
 
     With centrifugal force the roll at rest is that of the tension T - c + Q_B(s), with c = rho V^2
     and P_B, Q_B = r P_B' the stresses by the rotation of the roll with the surface s: a layer
@@ -90,8 +90,10 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
     layer = equations.core_layer
     grid = nodes_between(start, end, 400, min(1 / g, 0.3), kinks, core_layer=layer) - start
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
-    integral = np.empty(r.size)
-    for k, x in enumerate(np.log(r / core)):
+    # the first one is at the core
+    x_all = np.append(0.0, np.log(r / core))
+    integral = np.empty(x_all.size)
+    for k, x in enumerate(x_all):
         # cells from x to the surface, with Gauss points each
         ends = np.concatenate([[x], grid[grid > x]])
         half = np.diff(ends)[:, None] / 2
@@ -100,8 +102,9 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
             tension(core * np.exp(y)) * np.exp(-(g - 1) * (y - x)) / homogeneous_solution(y)[0]
         )
         integral[k] = float(np.sum(half * weights * integrand)) if ends.size > 1 else 0.0
-    F, slope = homogeneous_solution(np.log(r / core))
-    P_changes, Q_changes = _final_changes(problem, g, b, r)
+    P_wound, integral = float((1 + A) * integral[0]), integral[1:]
+    F, slope = homogeneous_solution(x_all[1:])
+    P_changes, Q_changes = _final_changes(problem, g, b, r, P_wound)
     hoop = tension(r) - (F + slope) * integral - P_changes - Q_changes
     return RollStresses(r, F * integral + P_changes, hoop)
 
@@ -124,11 +127,17 @@ def _rotation_slope(x: Array, g: float, b: float, nu: float) -> Array:
     return np.asarray(2 * k + (g - 1) * c1 - (g + 1) * c2 * decaying)
 
 
-def _final_changes(problem: RollProblem, g: float, b: float, r: Array) -> tuple[Array, Array]:
+def _final_changes(
+    problem: RollProblem, g: float, b: float, r: Array, P_wound: float
+) -> tuple[Array, Array]:
     """Return the pressure P added by the changes after winding, and r P', at radii r (k,) [Pa].
+
+    ``P_wound`` is the pressure at the core as wound.
 
     With g^2 = E_t/E_r and b of the core condition,
     r^2 P'' + 3 r P' + (1 - g^2) P = dC,  r P' - b P = -dT_c at the core,  P = 0 at the surface.
+
+    Off the core the pressure there is zero: P = -P_c, with the pressure P_c as wound.
     """
     source, core_tension = final_changes(problem)
     core, R = problem.core.radius, problem.radius
@@ -142,8 +151,12 @@ def _final_changes(problem: RollProblem, g: float, b: float, r: Array) -> tuple[
     (P_core, P_surface), (Q_core, _) = particular(np.array([core, R]))
     growing, decaying = g - 1, -g - 1  # exponents of the homogeneous solutions
     # (r/R)^growing and (r/core)^decaying are at most 1; rows: core condition, surface
-    matrix = [[(growing - b) * (core / R) ** growing, decaying - b], [1.0, (R / core) ** decaying]]
+    at_core = (core / R) ** growing
+    matrix = [[(growing - b) * at_core, decaying - b], [1.0, (R / core) ** decaying]]
     c = np.linalg.solve(matrix, [-core_tension - Q_core + b * P_core, -P_surface])
+    if problem.core_removed or P_wound + P_core + c[0] * at_core + c[1] < 0:
+        matrix[0] = [at_core, 1.0]
+        c = np.linalg.solve(matrix, [-P_wound - P_core, -P_surface])
     growing_part, decaying_part = c[0] * (r / R) ** growing, c[1] * (r / core) ** decaying
     P, Q = particular(r)
     return P + growing_part + decaying_part, Q + growing * growing_part + decaying * decaying_part

@@ -515,11 +515,17 @@ def margins(
         must = f"must be {one_of((repr(RUNNING), repr(AT_REST)))}, or left out"
         raise InvalidProblem.at("motion", f"{quote(motion)} is out of range; {must}")
     torque_data, states = WindingTorque.of(result), _states(roll, motion)
+    # a roll that has left its core passes no torque to it, nor presses on it
+    on_core = (
+        [*states[:-1], _state(roll.as_wound, RUNNING if roll.problem.centrifugal_stress else "")]
+        if roll.is_off_core
+        else states
+    )
     worst: tuple[Margin, ...] = (
-        _slip(states, roll, limits, torque_data),
+        _slip(on_core, roll, limits, torque_data),
         _compression(states, roll, limits),
         _blocking(states[-1], limits),
-        _core(states, roll.problem.core, limits),
+        _core(on_core, roll.problem.core, limits),
         _strength(states[-1], roll, limits, torque_data),
         _slack(roll, limits, torque_data),
         _gauge_band(roll, limits),
