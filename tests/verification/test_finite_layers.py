@@ -264,7 +264,7 @@ def random_release(seed: int) -> wo.RollProblem:
     if kind < 2 and rng.random() < 1 / 3:
         strain *= float(10 ** rng.uniform(-0.5, 1.2))
         roll = roll.replace(
-            temperature_change=-10.0, radial_expansion=strain / 10, tangential_expansion=0.0
+            temperature_change=-100.0, radial_expansion=strain / 100, tangential_expansion=0.0
         )
     return roll
 
