@@ -53,7 +53,7 @@ from .schedules import (
 from .stack import AnyStack, Stack
 from .thickness_profile import Oscillation, ThicknessProfile, faults_across, warnings_across
 from .two_drums import DrumLoads, TwoDrums, balanced_loads, roll_weight
-from .web import CaliperPressure, Web, WebDensity
+from .web import CaliperPressure, Web, WebDensity, centrifugal_stress
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -171,7 +171,8 @@ class WindingProblem(Problem):
         Bending of the core, with the roll on it, under the nip load; as ``drum_bending``, without a
         winder.
     web_speed : float, optional
-        V [m/s], needed with air or a viscoelastic drum.
+        V [m/s], needed with air or a viscoelastic drum.  With the density the web carries its
+        centrifugal force m V^2 in nips and roll; the finished roll is at rest.
     air : Air, optional
         Entrained air reduces the friction in the nip and softens the roll; with tension_law "nip".
     limits : Limits
@@ -302,7 +303,7 @@ class WindingProblem(Problem):
     def _check_winding(self) -> Self:
         """Check the roll, the schedules and their combination."""
         try:  # checks core, number of layers and density; with any tension
-            self.wound_roll(wound_on_tension=1.0)
+            self.wound_roll(wound_on_tension=1e6)
         except InvalidProblem as fault:
             own_names = {"web_thickness": "web.thickness"}  # by the name of the field of a roll
             faults = [(own_names.get(field, field), text) for field, text in fault.faults]
@@ -384,6 +385,16 @@ class WindingProblem(Problem):
         return bodies
 
     @property
+    def centrifugal_tension(self) -> float:
+        """m V^2 of the web [N/m]; 0 without web speed or density."""
+        return centrifugal_stress(self.density, self.web_speed) * self.web.thickness
+
+    @property
+    def _speed_has_effect(self) -> bool:
+        """True with a density, entrained air or a viscoelastic drum."""
+        return self.density is not None or self.air is not None or bool(self._viscoelastic_drums)
+
+    @property
     def _viscoelastic_drums(self) -> list[str]:
         """Dotted names of the drums that are viscoelastic."""
         return [name for name, drum in self.drums.items() if drum.viscoelastic]
@@ -397,7 +408,7 @@ class WindingProblem(Problem):
             *self.stack.input_warnings("stack"),
             *warnings_across(self, self.web.thickness),
         ]
-        if self.web_speed is not None and self.air is None and not self._viscoelastic_drums:
+        if self.web_speed is not None and not self._speed_has_effect:
             texts.append(unused_speed("web_speed", self.web_speed))
         return tuple(texts)
 
@@ -432,7 +443,9 @@ class WindingProblem(Problem):
         """Reject a winding force that the friction of nip and drum wrap cannot transmit."""
         r = self.radii(CHECKED_RADII)
         P, T, F = (self.at(name, r) for name in ("nip_load", "web_tension", "winding_force"))
-        low, high = map(np.asarray, friction_capacity(P, T, self.drum_friction, self.drum_wrap))
+        hoop_tension = T - self.centrifugal_tension
+        capacity = friction_capacity(P, hoop_tension, self.drum_friction, self.drum_wrap)
+        low, high = map(np.asarray, capacity)
         slides = ~((low < F) & (high > F))
         if slides.any():
             k = int(np.argmax(slides))
@@ -553,6 +566,7 @@ class WindingProblem(Problem):
             roll_weight(r, self.core.radius, self.density, self.winder.core_mass),
             self.at("winder.rider_load", r),
             self.at("web_tension", r),
+            self.centrifugal_tension,
             self.at("winding_force", r),
             self.at("winder.core_torque", r) / r,
         )
@@ -578,7 +592,8 @@ class WindingProblem(Problem):
         """
         r = np.asarray(r, dtype=float)
         P, T, F = (self.at(name, r) for name in ("nip_load", "web_tension", "winding_force"))
-        low, high = friction_capacity(P, T, self.drum_friction, self.drum_wrap)
+        hoop_tension = T - self.centrifugal_tension
+        low, high = friction_capacity(P, hoop_tension, self.drum_friction, self.drum_wrap)
         used = {"drum": F / np.where(F < 0, low, high)}
         if self.winder is not None:
             loads = self.drum_loads(r)
@@ -618,8 +633,10 @@ class WindingProblem(Problem):
         fields |= {name: float(self.at(name, radius)) for name in LOADS}
         if self.winder is not None:
             fields |= self._next_nips(self.winder, radius)
-        if self._viscoelastic_drums or self.air is not None:  # else a warning that it has no effect
+        if self._speed_has_effect:  # else a warning that it has no effect
             fields |= {"web_speed": self.web_speed, "air": self.air}
+        if self.web_speed is not None:
+            fields["density"] = self.density
         return NipProblem(**fields, roll=roll)
 
     def _next_nips(self, winder: TwoDrums, radius: float) -> dict[str, Any]:
@@ -664,6 +681,7 @@ class WindingProblem(Problem):
             wound_on_tension=wound_on_tension,
             caliper_pressure=self.caliper_pressure,
             density=self.density,
+            web_speed=self.web_speed,
             gauge_excess=self.gauge_excess,
         )
         return roll if self.air is None else with_film(roll, film, self.air)

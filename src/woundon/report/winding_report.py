@@ -108,7 +108,7 @@ def winding_report(result: WindingResult) -> list[Part]:
             (
                 field_row(problem.core, "radius"),
                 field_row(problem, "radius"),
-                *rows_of_given(problem, "caliper_pressure"),
+                *rows_of_given(problem, "caliper_pressure", "web_speed"),
                 *_schedules(result),
             ),
         ),

@@ -378,6 +378,7 @@ def lanes_of_winding(result: Any, rtol: float, count: int) -> LaneRoll:
     count : int
         Number of lanes.
     """
-    roll = wind(result.problem, result.radius, result.wound_on_tension, rtol, result.air_film)
+    arrays = result.radius, result.wound_on_tension
+    roll = wind(result.problem, *arrays, rtol, result.air_film, rotates=False)
     lanes = lanes_of(roll, result.problem, rtol, count, NipsOfWinding(result, roll.result))
     return lanes.with_finite_layers(abs(result.roll.finite_layer_effect))

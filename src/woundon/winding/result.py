@@ -288,6 +288,20 @@ class WindingResult(WithMargins, WithLanes, Result):
         """Mass of the web per metre of width [kg/m]; nan if its density is not given."""
         return self.roll.mass
 
+    @property
+    def running_core_pressure(
+        self,
+    ) -> Annotated[float, stress("P_c,V", "pressure of the running roll on the core")]:
+        """P of the finished roll at the core while it runs [Pa]; nan without centrifugal force."""
+        return self.roll.running_core_pressure
+
+    @property
+    def centrifugal_tension(
+        self,
+    ) -> Annotated[float, line_load("m V^2", "part of the tension taken by centrifugal force")]:
+        """m V^2, by which the running web presses less [N/m]; nan without speed or density."""
+        return self.problem.centrifugal_tension or float("nan")
+
     def certified(self) -> Residuals:
         """Compute the residuals from problem and arrays."""
         self.check_lane_count()
