@@ -50,6 +50,7 @@ from .problems.roll import Core as Core
 from .problems.roll import RollProblem as RollProblem
 from .problems.rollers import RollerProblem as RollerProblem
 from .problems.schedules import Profile as Profile
+from .problems.schedules import Steps as Steps
 from .problems.schedules import Taper as Taper
 from .problems.stack import Stack as Stack
 from .problems.thickness_profile import ThicknessProfile as ThicknessProfile

@@ -39,9 +39,11 @@ from .problem import OF_FINISHED_ROLL, Problem, only_in
 from .radial_laws import Pfeiffer
 from .roll import Core, GaugeExcess, RollProblem
 from .schedules import (
+    AnySchedule,
     Curve,
     OptionalWindingSchedule,
     Profile,
+    Steps,
     Taper,
     WindingSchedule,
     as_schedule,
@@ -122,10 +124,10 @@ class WindingProblem(Problem):
         R of the finished roll [m].
     roll_friction, drum_friction, roll_wrap, drum_wrap, wrap_friction
         As of :class:`~woundon.NipProblem`.
-    web_tension, nip_load, winding_force : float, Taper or Profile
+    web_tension, nip_load, winding_force : float, Taper, Steps or Profile
         T_in, P and F over the radius [N/m]; F = 0: centre winding.  With a ``winder`` P and F
         follow from it and the torque split.
-    torque_split : float, Taper or Profile, optional
+    torque_split : float, Taper, Steps or Profile, optional
         Fraction of the web tension carried by the drum, F = -torque_split T_in, instead of F: 0 is
         centre winding, 1 surface winding.  Of a two-drum winder, that of the rear drum.
     winder : TwoDrums, optional
@@ -138,7 +140,7 @@ class WindingProblem(Problem):
         Model of the wound-on tension.  "nip": the solved wrapped nip.  "friction":
         T_in + F + roll_friction P, full slip in the nip.  "fixed": T_in +
         nip_induced_tension.  A Profile is the wound-on tension itself [N/m].
-    nip_induced_tension : float, Taper or Profile, optional
+    nip_induced_tension : float, Taper, Steps or Profile, optional
         WOT - T_in [N/m], with tension_law "fixed" only.
     caliper_pressure : float, optional
         Pressure under which the web thickness was measured [Pa], as of
@@ -392,15 +394,15 @@ class WindingProblem(Problem):
             for part, value in values_of(schedule).items()
             if not low <= value <= high
         ]
-        if isinstance(schedule, Profile):
-            wrong += uncovered_ends(name, schedule, *self.ends)
+        wrong += uncovered_ends(name, schedule, *self.ends)
         yield from wrong
         if isinstance(schedule, Taper) and not wrong:
             value = float(self.curve(name).at(np.array(self.radius)))
             if not low <= value <= high:
                 at = f"at the radius {self.radius:.6g} [m]"
-                text = f"{quote(schedule.taper)} is out of range; leaves {quote(value)}{unit} {at}"
-                yield f"{name}.taper", f"{text}, {must}"
+                given = quote(getattr(schedule, schedule.field_of_law))
+                text = f"{given} is out of range; leaves {quote(value)}{unit} {at}"
+                yield f"{name}.{schedule.field_of_law}", f"{text}, {must}"
 
     def _check_steady_state(self) -> None:
         """Reject a winding force that the friction of nip and drum wrap cannot transmit."""
@@ -566,7 +568,7 @@ class WindingProblem(Problem):
         sharpness: dict[float, float] = {}
         for name in SCHEDULES:
             schedule = field_or_none(self, name)
-            if isinstance(schedule, Profile):
+            if isinstance(schedule, Profile | Steps):
                 curve = self.curve(name)
                 sharp = np.nan_to_num(curve.bends, nan=0.0, posinf=1e9)
                 # of the winder's inputs, which may be zero, relative to what they change
@@ -626,9 +628,7 @@ class WindingProblem(Problem):
         last_arc = min(self.roll_wrap, HELD * to_rear_drum)
         return {"next_nips": nips, "roll_wrap": sum(nip.angle for nip in nips) + last_arc}
 
-    def wound_roll(
-        self, wound_on_tension: float | Taper | Profile, film: float = 0.0
-    ) -> RollProblem:
+    def wound_roll(self, wound_on_tension: AnySchedule, film: float = 0.0) -> RollProblem:
         """Return the roll for a wound-on tension [N/m] and an air film [m] between its layers."""
         roll = RollProblem(
             core=self.core,

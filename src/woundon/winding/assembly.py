@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import RESOLUTION
-from ..problems.winding import LOADS, WindingProblem
+from ..problems.paths import field_or_none
+from ..problems.schedules import Steps
+from ..problems.winding import LOADS, SCHEDULES, WindingProblem
 from ..results import Residuals
 from ..roll.solve import ThinLayerRoll
 from ..roll.validity import yield_warnings
@@ -91,7 +93,7 @@ def assemble_result(
         residuals=Residuals(),
         warnings=(
             *nips.warnings(),
-            *_unevenness_warning(interpolation[0], rtol, len(samples)),
+            *_unevenness_warning(problem, interpolation[0], rtol, len(samples)),
             *wound.warnings,
             *yield_warnings(wound.problem, problem.limits.yield_strain),
         ),
@@ -107,10 +109,17 @@ def assemble_result(
     return result.replace(errors=_errors(result, first_layers))
 
 
-def _unevenness_warning(interpolation: float, rtol: float, count: int) -> list[str]:
+def _unevenness_warning(
+    problem: WindingProblem, interpolation: float, rtol: float, count: int
+) -> list[str]:
     """Return a warning if the interpolation error between the nips exceeds 2 rtol."""
     if interpolation <= 2 * rtol:
         return []
+    if any(isinstance(field_or_none(problem, name), Steps) for name in SCHEDULES):
+        return [
+            f"{RESOLUTION}next to the steps of the schedules the interpolation error of the "
+            f"wound-on tension is up to {100 * interpolation:.2g} %"
+        ]
     return [
         f"{RESOLUTION}the schedules vary so much between the {count} nips that the interpolation "
         f"error of the wound-on tension is {100 * interpolation:.2g} %; smooth the schedules, or "

@@ -33,7 +33,7 @@ export const T = {
     Stack: "stack with pressure-dependent modulus", Pfeiffer: "Pfeiffer's law", PowerLaw: "power law", StackTest: "measured stack test",
     LossAngle: "viscoelastic, by loss angle", DynamicTest: "viscoelastic, dynamic test", RelaxationTest: "viscoelastic, relaxation test",
     RelativeProny: "viscoelastic, relative terms", RelativeTerm: "relative term", PronyTerm: "viscoelastic term", TwoDrums: "front drum and rider", AirBetween: "air between the layers", Air: "entrained air",
-    Constant: "constant", Polynomial: "polynomial", Profile: "points over the radius", Taper: "taper",
+    Constant: "constant", Polynomial: "polynomial", Profile: "points over the radius", Taper: "taper", Steps: "steps",
   },
   fields: { material: "material", radial: "hardening law", core: "core", layers: "layers", kind: "kind", law: "law", hardening: "hardening model" },
   header: {
