@@ -31,6 +31,7 @@ from .problems.bodies import Rigid as Rigid
 from .problems.grades import Grade as Grade
 from .problems.grades import grade as grade
 from .problems.grades import grades as grades
+from .problems.inertia import Inertia as Inertia
 from .problems.limits import Limits as Limits
 from .problems.materials import Isotropic as Isotropic
 from .problems.materials import Material as Material

@@ -174,7 +174,7 @@ EXAMPLES = [
     wo.WoundRoll(radius=0.1, core_radius=0.0445, stack=STACK, pressure=2e5),
     wo.Taper(start=350.0, taper=0.3), wo.Taper(start=350.0, law="power", exponent=0.5),
     wo.Steps(value=[400.0, 300.0], depth=[0.02]), wo.Limits(blocking_pressure=1e6),
-    wo.Air(roughness=3e-6),
+    wo.Air(roughness=3e-6), wo.Inertia(core=0.5),
     wo.Core(radius=0.05, stiffness=1e9),
     wo.Core(radius=0.05, inner_radius=0.04, material="steel"),
     nip(air=wo.Air(roughness=3e-6), web_speed=10.0),

@@ -18,6 +18,7 @@ from .bodies import AnyBody, Body, Rigid
 from .consistency import different_moduli
 from .contact_problem import unused_speed
 from .fields import Nested, Number, OptionalNested, OptionalNumber, default
+from .inertia import Inertia
 from .limits import Limits
 from .materials import Material, material
 from .messages import not_one_of, quote
@@ -156,14 +157,17 @@ class WindingProblem(Problem):
     oscillation : float
         Amplitude by which the web moves to and fro across the roll [m]: the profile is averaged.
     web_speed : float, optional
-        V [m/s], needed with air or a viscoelastic drum.
+        V [m/s], needed with air or a viscoelastic drum, and for torque and power of the drives.
     air : Air, optional
         Entrained air reduces the friction in the nip and softens the roll; with tension_law "nip".
     limits : Limits
         Limits to which the margins refer.
     width : float, optional
         Of the web [m]. With it, loads and tensions may be entered as totals, "3.6 kN"; they are
-        held per metre of width.
+        held per metre of width.  With width and ``web_speed`` the result contains torque and power
+        of the drives, see :class:`~woundon.winding.drives.Drive`.
+    inertia : Inertia
+        Moments of inertia of core and drums, for the torque of their drives.
 
     Raises
     ------
@@ -272,6 +276,9 @@ class WindingProblem(Problem):
     ] = default(None)
     air: Annotated[OptionalNested[Air], Field(description="entrained air")] = default(None)
     width: Width = default(None)
+    inertia: Annotated[
+        Nested[Inertia], Field(description="moments of inertia of core and drums")
+    ] = default(Inertia())
 
     @model_validator(mode="after")
     def _check_winding(self) -> Self:
@@ -371,7 +378,8 @@ class WindingProblem(Problem):
             *self.stack.input_warnings("stack"),
             *warnings_across(self, self.web.thickness),
         ]
-        if self.web_speed is not None and self.air is None and not self._viscoelastic_drums:
+        used = self.air is not None or self._viscoelastic_drums or self.width is not None
+        if self.web_speed is not None and not used:
             texts.append(unused_speed("web_speed", self.web_speed))
         return tuple(texts)
 
@@ -655,7 +663,17 @@ class WindingProblem(Problem):
             *(() if solves_nips else OF_NIP if self.winder is None else OF_NIP_ALONE),
             *(("oscillation",) if self.thickness_profile is None else ()),
             *(() if solves_nips or self.winder is not None else ("drum",)),
+            *self._unused_inertia,
         )
+
+    @property
+    def _unused_inertia(self) -> tuple[str, ...]:
+        """Moments of inertia on which no drive depends in this case."""
+        if self.width is None or not self.web_speed:
+            return ("inertia",)
+        if self.winder is None:
+            return "inertia.front_drum", "inertia.rider"
+        return () if self.winder.rider is not None else ("inertia.rider",)
 
     @property
     def assumptions(self) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from ..results import Residuals
 from ..roll.solve import ThinLayerRoll
 from ..roll.validity import yield_warnings
 from .bodies import tension_on_roll
+from .drives import drive_radii, drives_of
 from .drum_nips import drum_nips
 from .nips import Nips
 from .result import WindingResult
@@ -64,6 +65,8 @@ def assemble_result(
     samples = nips.from_core_to_surface()
     results = [sample.result for sample in samples]
     wound = roll.with_finite_layers()
+    of_drives = drive_radii(problem)
+    drives = drives_of(problem, of_drives, film)
     result = WindingResult(
         problem=problem,
         radius=r,
@@ -90,6 +93,10 @@ def assemble_result(
         nips_solved=nips.solved,
         front=drum_nips(results, 1),
         rider=drum_nips(results, 2),
+        drive_radius=of_drives,
+        core_drive=drives["core_drive"],
+        drum_drive=drives["drum_drive"],
+        front_drive=drives["front_drive"],
         residuals=Residuals(),
         warnings=(
             *nips.warnings(),

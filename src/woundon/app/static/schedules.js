@@ -3,6 +3,7 @@
 const POINTS = 5; // of a schedule that was a number or a taper
 const PROFILE = "Profile"; // the description that is points
 const STEPS = "Steps"; // the description that is steps
+const RAMP = 0.001; // of steps [m], by default
 const HARD_CORE = 0.02; // depth of the first step [m]; of a smaller roll a quarter
 
 const isSchedule = (form) => form === PROFILE;
@@ -38,7 +39,7 @@ export function pointsOf(value, [core, surface]) {
 }
 
 /** Points (radius, value) at both ends of each ramp of steps, and at core and surface. */
-function cornersOf({ depth, value, ramp = 0.001 }, core, surface) {
+function cornersOf({ depth, value, ramp = RAMP }, core, surface) {
   const ramps = depth.flatMap((d, k) => [[core + d, value[k]], [core + d + ramp, value[k + 1]]]);
   return [[core, value[0]], ...ramps.filter(([r]) => r < surface), [surface, value.at(-1)]];
 }
@@ -47,7 +48,7 @@ function cornersOf({ depth, value, ramp = 0.001 }, core, surface) {
 function stepsOf(value, ends) {
   const points = pointsOf(value, ends);
   const depth = Math.min(HARD_CORE, Number(((ends[1] - ends[0]) / 4).toPrecision(2)));
-  return { value: [points[0][1], points.at(-1)[1]], depth: [depth] };
+  return { value: [points[0][1], points.at(-1)[1]], depth: [depth], ramp: RAMP };
 }
 
 /** What stands for points (radius, value) in a case. */
