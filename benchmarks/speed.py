@@ -22,6 +22,8 @@ revision than 0.2 uses the packages of this environment.
     winding               the example of a winding, with other loads
     example_winding       the example of a winding
     scheduled_winding     newsprint of 45 g/m2, 1.25 m on 3 in, taper 20 %, a table of nip loads
+    two_drum_winding      newsprint on two drums, with --alone; one_drum_winding has the same loads
+                          and forces of its rear drum alone
     loose                 the README's nip with rtol = 1e-2, to be compared with readme
     two_processes         wall-clock time of a nip in a sweep of 600 with 33 nodes on two processes
     sweep                 20 wrapped nips, five loads and four shear moduli, for each of them
@@ -68,6 +70,8 @@ SLOW = {
     "winding": 5,
     "example_winding": 3,
     "scheduled_winding": 3,
+    "one_drum_winding": 1,
+    "two_drum_winding": 1,
     "readme": 20,
     "loose": 20,
     "two_processes": 3,
@@ -76,6 +80,8 @@ SLOW = {
     "scheduled_window": 1,
     "command": 10,
 }
+# what earlier revisions have not
+NEW = ("two_nips", "three_nips", "one_drum_winding", "two_drum_winding")
 SWEPT = 20  # nips of a sweep
 COPIES = 1000
 CASES = 100
@@ -140,6 +146,10 @@ def draw(name: str, seed: int) -> Problems:
         return [nip.replace(**{"roll.radius": nip.roll.radius * (1 + 0.001 * change)})]
     if name.startswith("scheduled"):
         return [scheduled_winding()]
+    if name == "two_drum_winding":
+        return [two_drum_winding()]
+    if name == "one_drum_winding":
+        return [on_rear_drum(two_drum_winding())]
     problem = wo.WindingProblem.example()
     factor = 1 + 0.05 * change if name == "winding" else 1.0
     return [problem.replace(nip_load=factor * problem.nip_load)]
@@ -154,6 +164,22 @@ def scheduled_winding() -> wo.WindingProblem:
         radius=0.625, web_tension=wo.Taper(start=350.0, taper=0.2), nip_load=loads,
         **{"core.radius": 0.0381},
     )  # fmt: skip
+
+
+def two_drum_winding() -> wo.WindingProblem:
+    """Return a winding of newsprint on two drums, with a constant load of the rider."""
+    winder = wo.TwoDrums(front_drum=wo.Rigid(radius=0.25), gap=0.02, rider_load=2500.0)
+    return wo.WindingProblem.example().replace(
+        radius=0.6, winder=winder, drum=wo.Rigid(radius=0.3), nip_load=None, torque_split=0.5,
+        density=680.0, web_tension=300.0,
+    )  # fmt: skip
+
+
+def on_rear_drum(winding: wo.WindingProblem) -> wo.WindingProblem:
+    """Return the winding with the rear drum of a two-drum winder alone."""
+    radii = np.linspace(winding.core.radius, winding.radius, 60)
+    loads = wo.Profile(radius=radii, value=winding.drum_loads(radii).rear_load)
+    return winding.replace(winder=None, nip_load=loads)
 
 
 def solve_all(problems: Problems) -> Callable[[], object]:
@@ -252,8 +278,8 @@ METHODS: dict[str, Callable[[Problems], Callable[[], object]]] = {
 }
 WORK = [
     *FAMILIES, "readme", "neighbours", "sensitivities", "nip_and_derivatives", "winding",
-    "example_winding", "scheduled_winding", "loose", "sweep", "two_processes", "replace", "fit",
-    "find", "window", "scheduled_window", "command",
+    "example_winding", "scheduled_winding", "one_drum_winding", "two_drum_winding", "loose",
+    "sweep", "two_processes", "replace", "fit", "find", "window", "scheduled_window", "command",
 ]  # fmt: skip
 
 
@@ -390,7 +416,7 @@ def main() -> int:
     print(f"| work | cases | ms, median | d | of {given.against}: ms | d | ratio, median | 90 % |\n"
           "|---|---|---|---|---|---|---|---|")  # fmt: skip
     units: list[float] = []
-    others = [name for name in WORK if given.alone or name not in ("two_nips", "three_nips")]
+    others = [name for name in WORK if given.alone or name not in NEW]
     for name in given.work or others:
         cases = given.cases or SLOW.get(name, CASES)
         times = np.array(measured(versions, name, cases, given.first))
