@@ -64,13 +64,13 @@ class TwoDrums(Description):
     front_drum : Rigid, HalfPlane, Cylinder or another Body
     gap : float
         Between the surfaces of the drums [m].
-    rider_load : float, Taper or Profile
+    rider_load : float, Taper, Steps or Profile
         Vertical load of the rider roll, or another downward force on the roll, over its radius
         [N/m].
     rider : Body, optional
         The rider roll, which idles.  Without it the load presses the roll onto the drums, but its
         nip is not solved.
-    core_torque : float, Taper or Profile
+    core_torque : float, Taper, Steps or Profile
         Torque of a core drive per metre of width [N], > 0 in the direction of rotation.
     front_friction, rider_friction : float, optional
         Coefficients of friction of web and front drum, web and rider; by default the winding's
