@@ -19,7 +19,7 @@ from woundon.elasticity.interior_stress import (
     half_plane_sections,
     traction_harmonics,
 )
-from woundon.elasticity.layers import traction_transfers
+from woundon.elasticity.layers import LayerSystems, stacked_compliance, traction_transfers
 from woundon.elasticity.ring_elements import Fineness
 from woundon.elasticity.ring_equilibrium import RingPair
 from woundon.nip.layer_slip import interior_stress
@@ -200,6 +200,22 @@ def test_a_uniform_pressure_gives_lames_stresses():
     # torsion: r^2 tau is the same on every circle
     assert B[1, 1] == pytest.approx(R / r, rel=1e-12)
     assert B[[0, 1], [1, 0]] == pytest.approx([0, 0])
+
+
+@pytest.mark.parametrize("open_bore", [False, True])
+def test_boundaries_of_different_layers_against_the_stack_above_each(open_bore):
+    # Independent method: the star product of all layers above, harmonic by harmonic
+    layers = (0.1, *NEWSPRINT), (0.2, *ISOTROPIC), (0.05, *NEWSPRINT), (0.4, *ISOTROPIC)
+    n = np.array([0.0, 1.0, 2.0, 5.0, 20.0])
+    found = traction_transfers(n, layers, open_bore)
+    for k in range(1, len(layers)):
+        E, _, H = LayerSystems.of(*layers[:k]).stack_matrices(n)
+        Y = stacked_compliance(n, layers[k:], open_bore)
+        for i in range(n.size):
+            A = np.eye(2) + E[..., i]
+            expected = np.linalg.solve(np.eye(2) + H[..., i] @ Y[..., i], A.T)
+            # rounding of some ten products
+            np.testing.assert_allclose(found[k - 1, ..., i], expected, rtol=1e-9, atol=1e-12)
 
 
 def test_finite_elements_of_a_linear_cylinder():
