@@ -89,7 +89,7 @@ def roll_report(result: RollResult) -> list[Part]:
             (
                 field_row(problem.core, "radius"),
                 *(field_row(problem, name) for name in ("radius", "web_thickness")),
-                *rows_of_given(problem, "caliper_pressure"),
+                *rows_of_given(problem, "caliper_pressure", "web_speed"),
                 *schedule_rows(problem, "wound_on_tension", tensions),
             ),
         ),
@@ -114,10 +114,11 @@ def _location(radius: float) -> str:
 
 def thin_layers_note(roll: RollResult) -> str:
     """Return a remark on what pressures and errors refer to: layers without and with thickness."""
+    at_rest = " of the roll at rest" if roll.problem.centrifugal_stress else ""
     return (
-        "Pressures and stresses are those of infinitely thin layers. The thickness of the layers "
-        f"changes the pressure by {100 * roll.finite_layer_effect:+.3g} % of the largest; the "
-        "errors include this and the variation of the hoop stress across a layer."
+        f"Pressures and stresses are those of infinitely thin layers{at_rest}. The thickness of "
+        f"the layers changes the pressure by {100 * roll.finite_layer_effect:+.3g} % of the "
+        "largest; the errors include this and the variation of the hoop stress across a layer."
     )
 
 

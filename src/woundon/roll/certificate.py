@@ -41,7 +41,7 @@ def certificate(result: Any) -> Residuals:
     radii = [problem.core.radius, result.stage_radius[-1]]
     zones = finished_zones(problem, P, Q)
     stage = zones.stage(x, source, unit + core_change, np.zeros(x.size))
-    equations = equations_of(problem)
+    equations = equations_of(problem).at_rest
     residual, _ = equations.residual(stage, P[zones.nodes], Q[zones.nodes])
     ends = np.append(2 * stage.firsts, 2 * stage.lasts + 1)  # the other rows are of cells
     hoop = -(P + Q)

@@ -53,11 +53,20 @@ def equations_of(problem: RollProblem) -> StageEquations:
     """Return the boundary-value problem of the stages of a roll, with its stack and core.
 
     The core condition is Q = b P - T_c with b = E_t/E_c - 1 + nu, E_c the stiffness of the core.
+    With a web speed and a density they are those of the running roll.
     """
     stack, E_c = problem.stack, problem.core.effective_stiffness
     E_t, law = stack.tangential, stack.radial
     core = min(E_t / E_c, SOFTEST_CORE) - 1 + stack.poissons_ratio
-    return StageEquations(law.strain_at, law.modulus, law.modulus_slope, E_t, core)
+    return StageEquations(
+        law.strain_at,
+        law.modulus,
+        law.modulus_slope,
+        E_t,
+        core,
+        centrifugal=problem.centrifugal_stress,
+        poissons_ratio=stack.poissons_ratio,
+    )
 
 
 def surface_layer_depth(problem: RollProblem) -> float:
@@ -66,8 +75,8 @@ def surface_layer_depth(problem: RollProblem) -> float:
     It is not a layer of the web.  The modulus doubles in it; if the modulus is nearly constant,
     solutions of the incremental equation decay in it.
     """
-    law, T = problem.stack.radial, float(problem.tension_curve.at(np.array(problem.core.radius)))
-    E = float(law.modulus(0.0))
+    law, E = problem.stack.radial, float(problem.stack.radial.modulus(0.0))
+    T = float(problem.tension_curve.at(np.array(problem.core.radius))) - problem.centrifugal_stress
     return min(law.pressure_at_modulus(2 * E) / T, (E / problem.stack.tangential) ** 0.5, 0.3)
 
 
@@ -107,7 +116,7 @@ def add_constant(source: CellSource, constant: float) -> CellSource:
 def finished_arrays(
     problem: RollProblem, x: Array, growth: Growth, solved: StageSolution
 ) -> dict[str, Any]:
-    """Return the arrays of a roll result after the changes of the finished roll.
+    """Return the arrays of a roll result at rest, after the changes of the finished roll.
 
     Parameters
     ----------
@@ -117,7 +126,7 @@ def finished_arrays(
     growth : Growth
         Kappa at the stages of the build-up, from which the source follows.
     solved : StageSolution
-        Pressure as wound, the initial guess of that after the changes.
+        Pressure as wound, the initial guess of that at rest after the changes.
 
     Returns
     -------
@@ -129,7 +138,7 @@ def finished_arrays(
     NotConverged
         If no equilibrium exists after the changes.
     """
-    equations, curve, stack = equations_of(problem), problem.tension_curve, problem.stack
+    equations, curve, stack = equations_of(problem).at_rest, problem.tension_curve, problem.stack
     x, P, Q = _finished_state(problem, equations, x, growth, solved)
     r = np.exp(x)
     r[0], r[-1] = problem.core.radius, problem.radius  # without the rounding error of exp(ln r)
@@ -155,8 +164,8 @@ def finished_arrays(
         "stage_order": growth.point_counts,
         # nan until layers of a finite thickness are computed (ThinLayerRoll.with_finite_layers)
         "layer_growth": np.full_like(growth.kappa, np.nan),
-        # -r P' = T at the surface of the roll as wound, except for the discretisation error
-        "surface_slope": float(-solved.Q[-1] / T[-1] - 1),
+        # -r P' = T - c at the surface of the roll as wound, except for the discretisation error
+        "surface_slope": float(-solved.Q[-1] / (T[-1] - problem.centrifugal_stress) - 1),
         "steps": equations.steps,
     }
 

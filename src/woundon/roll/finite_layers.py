@@ -55,7 +55,7 @@ def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
     stage, part = zones.stage(x, source, T_c, -own), zones.nodes
     never_on_core = zones.off_core.copy()
     never_on_core[0] = result.problem.core_removed or part[0] > 0
-    found = solve_on_core(layers.equations, stage, P[part], Q[part], never_on_core)
+    found = solve_on_core(layers.equations.at_rest, stage, P[part], Q[part], never_on_core)
     if found is None:
         raise NotConverged("the roll with layers of the web thickness could not be solved", result)
     solved = found[0]

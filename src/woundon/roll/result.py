@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import pi
+from math import nan, pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
+from ..arguments import check_type
 from ..quantities import Quantity, length, line_load, pure, share, strain, stress
 from ..results import Residuals, Result
 from .certificate import certificate
@@ -43,7 +44,7 @@ class RollResult(WithLanes, Result):
     radius : (M,) array
         Radii of the nodes, from the core to the surface [m].
     pressure : (M,) array
-        P between the layers [Pa].
+        P between the layers of the roll at rest [Pa]; ``running_pressure`` while it runs.
     hoop_stress : (M,) array
         sigma_t along the web, > 0 tension [Pa].
     displacement : (M,) array
@@ -53,18 +54,21 @@ class RollResult(WithLanes, Result):
     radial_modulus : (M,) array
         E_r(P), the radial modulus of the stack [Pa].
     source : (M,) array
-        C = r^2 P'' + 3 r P' + P - E_t F(P), constant since the layer at r was wound [Pa].
+        C = r^2 P'' + 3 r P' + P - E_t F(P) at rest, constant since the layer at r was wound [Pa].
     pressure_gradient : (M,) array
         r P' [Pa].
     stage_radius, growth : (J,) arrays
         Surface radii of the stages of the build-up [m], and kappa of these stages: the relative
-        change with ln r, at the surface, of the pressure increment by a further layer [1].
+        change with ln r, at the surface, of the pressure increment by a further layer [1].  With
+        centrifugal force it is the number for which a further layer of the thickness h moves the
+        surface inwards by (1 + kappa) h T/E_t.
     stage_order : (J,) int array
         Number of stages interpolated by the polynomial of kappa that ends at each stage.
     layer_growth : (J,) array
         Kappa with layers of the web thickness instead of thin layers.
     surface_slope : float
-        -r P'/T - 1 at the surface, 0 except for the discretisation error [1].
+        -r P'/T - 1 at the surface as wound, 0 except for the discretisation error [1]; of a running
+        roll T is less the centrifugal stress.
     steps : int
         Number of linear systems solved.
     lane_count : int
@@ -119,7 +123,13 @@ class RollResult(WithLanes, Result):
 
     def recompute_lanes(self) -> LaneRoll:
         """Solve for the lanes again, with the default tolerance of the solver."""
-        lanes = solve_lanes(self, build_up_of(self), self.problem, count=self.lane_count or LANES)
+        count = self.lane_count or LANES
+        if self.problem.centrifugal_stress:  # which the lanes neglect
+            from .solve import solve_wound_roll
+
+            still = solve_wound_roll(self.problem.replace(web_speed=None), lanes=count)
+            return still.recompute_lanes()
+        lanes = solve_lanes(self, build_up_of(self), self.problem, count=count)
         return lanes.with_finite_layers(abs(self.finite_layer_effect))
 
     @property
@@ -226,6 +236,36 @@ class RollResult(WithLanes, Result):
         """Fraction of the radial build-up in which sigma_t < 0 [1]."""
         r = np.linspace(self.radius[0], self.radius[-1], SAMPLES)
         return float(np.mean(self.at_radius(r)["hoop_stress"] < 0))
+
+    @property
+    def running_pressure(
+        self,
+    ) -> Annotated[Array, stress("P_V", "pressure between the layers of the running roll")]:
+        """P of the finished roll while it still runs [Pa]; length 0 without centrifugal force."""
+        return self.as_wound.pressure if self.problem.centrifugal_stress else np.zeros(0)
+
+    @property
+    def running_hoop_stress(
+        self,
+    ) -> Annotated[Array, stress("sigma_V", "hoop (MD) stress of the running roll, > 0: tension")]:
+        """sigma_t of the finished roll while it still runs [Pa]; length 0 as running_pressure."""
+        if not self.problem.centrifugal_stress:
+            return np.zeros(0)
+        return self.as_wound.stresses_at(self.radius)[1]
+
+    @property
+    def running_core_pressure(
+        self,
+    ) -> Annotated[float, stress("P_c,V", "pressure of the running roll on the core")]:
+        """P of the running roll at the core [Pa]; nan without centrifugal force."""
+        return float(self.running_pressure[0]) if self.running_pressure.size else nan
+
+    @property
+    def centrifugal_tension(
+        self,
+    ) -> Annotated[float, line_load("m V^2", "part of the tension taken by centrifugal force")]:
+        """m V^2, by which the running web presses less [N/m]; nan without speed or density."""
+        return self.problem.centrifugal_tension or nan
 
     @property
     def finite_layer_change(
@@ -353,13 +393,15 @@ class RollResult(WithLanes, Result):
         """Wound mass divided by the volume of the roll [kg/m^3]; nan as ``mass``."""
         return self.wound_mass / float(volume(self))
 
-    def at_radius(self, radius: ArrayLike) -> dict[str, Any]:
+    def at_radius(self, radius: ArrayLike, *, running: bool = False) -> dict[str, Any]:
         """Return pressure and hoop stress at any radii.
 
         Parameters
         ----------
         radius : array_like
             [m], from the core to the surface.
+        running : bool
+            True for the finished roll while it still runs, before the changes after winding.
 
         Returns
         -------
@@ -371,7 +413,8 @@ class RollResult(WithLanes, Result):
         InvalidProblem
             For a radius outside the roll.
         """
-        return stresses_between(self, radius)
+        check_type("running", running, bool)
+        return stresses_between(self, radius, running=running)
 
     def at(self, radius: float) -> RollResult:
         """Return the stage of the build-up with a given surface radius.

@@ -43,6 +43,10 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
     the sum of the increments by each layer.  A temperature change, core shrinkage and the removal
     of the core add terms in r^(+-g - 1) and a constant.  Layers are taken to stay in contact.
 
+    With centrifugal force the roll at rest is that of the tension T - c + Q_B(s), with c = rho V^2
+    and P_B, Q_B = r P_B' the stresses by the rotation of the roll with the surface s: a layer
+    presses with T - c, and when the roll stops, the stresses by the rotation vanish.
+
     Parameters
     ----------
     problem : RollProblem
@@ -73,7 +77,15 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
         return 1 + decaying_term, (g - 1) - (g + 1) * decaying_term
 
     # int_r^R T/(s F(s)) ds over y = ln(s/rc); the scaled integrand decays as exp(-(g-1)(y - x))
-    curve = problem.tension_curve
+    curve, c = problem.tension_curve, problem.centrifugal_stress
+
+    def tension(s: Array) -> Array:
+        """Return T of the roll at rest at radii s [Pa]."""
+        if not c:
+            return curve.at(s)
+        nu = stack.poissons_ratio
+        return curve.at(s) + c * (_rotation_slope(np.log(s / core), g, b, nu) - 1)
+
     start, end, kinks = float(np.log(core)), float(np.log(R)), np.log(curve.kinks)
     layer = equations.core_layer
     grid = nodes_between(start, end, 400, min(1 / g, 0.3), kinks, core_layer=layer) - start
@@ -87,14 +99,32 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
         half = np.diff(ends)[:, None] / 2
         y = ends[:-1, None] + half * (1 + points)
         integrand = (
-            curve.at(core * np.exp(y)) * np.exp(-(g - 1) * (y - x)) / homogeneous_solution(y)[0]
+            tension(core * np.exp(y)) * np.exp(-(g - 1) * (y - x)) / homogeneous_solution(y)[0]
         )
         integral[k] = float(np.sum(half * weights * integrand)) if ends.size > 1 else 0.0
     P_wound, integral = float((1 + A) * integral[0]), integral[1:]
     F, slope = homogeneous_solution(x_all[1:])
     P_changes, Q_changes = _final_changes(problem, g, b, r, P_wound)
-    hoop = curve.at(r) - (F + slope) * integral - P_changes - Q_changes
+    hoop = tension(r) - (F + slope) * integral - P_changes - Q_changes
     return RollStresses(r, F * integral + P_changes, hoop)
+
+
+def _rotation_slope(x: Array, g: float, b: float, nu: float) -> Array:
+    """Return Q_B/c at the surface of rotating rolls with the depth x = ln(s/r_c), constant moduli.
+
+    With B = c r^2/s^2, g^2 = E_t/E_r and b of the core condition,
+    r^2 P'' + 3 r P' + (1 - g^2) P = (3 + nu) B,  r P' - b P = B at the core,  P = 0 at the surface.
+    """
+    if abs(g - 3) < 1e-6:  # then r^2 is a homogeneous solution
+        g = 3 + 1e-6
+    k = (3 + nu) / (9 - g * g)  # particular solution P = k B
+    # P = k B + c1 (r/s)^(g - 1) + c2 (r/r_c)^(-g - 1); c1 = -k - c2 exp(-(g + 1) x) at the surface
+    at_core = np.exp(-2 * x)  # B/c at the core
+    growing, decaying = np.exp(-(g - 1) * x), np.exp(-(g + 1) * x)
+    of_c2 = -(g + 1 + b) - (g - 1 - b) * growing * decaying
+    c2 = (at_core * (1 - k * (2 - b)) + k * (g - 1 - b) * growing) / of_c2
+    c1 = -k - c2 * decaying
+    return np.asarray(2 * k + (g - 1) * c1 - (g + 1) * c2 * decaying)
 
 
 def _final_changes(
@@ -160,7 +190,7 @@ def layer_by_layer(problem: RollProblem, groups: int | None = None) -> RollStres
     Parameters
     ----------
     problem : RollProblem
-        Its final changes are ignored.
+        Its final changes and the centrifugal force are ignored.
     groups : int, optional
         Number of groups of layers, 10 to 20 000; by default single layers.
 
