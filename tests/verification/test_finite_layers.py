@@ -364,7 +364,8 @@ def test_layers_that_separate(share: float, changes: dict):
     np.testing.assert_allclose(edges_found, edges, atol=2 * h)
     assert result.separation_radius == edges_found[-1]
     change = np.max(np.abs(rings.P - np.interp(rings.r, result.radius, result.pressure)))
-    assert change <= 1.25 * result.errors["peak_pressure"]
+    # an estimate of the same size: 1.00 to 1.31 of the difference
+    assert 0.8 < result.errors["peak_pressure"] / change < 1.6
     assert result.residuals.largest <= 1e-8
 
 

@@ -153,10 +153,15 @@ def _weight(result: RollResult) -> Iterator[Section]:
     known = [name for name in WEIGHT if not isnan(value_of(result, name))]
     if known:
         note = (
-            "Without friction the weight changes the pressure between the layers by the ratio; "
-            "above 1 they separate below the core. The flattened width is that of a line contact "
-            "with the moduli of the stack at its pressure below the surface."
+            "The flattened width is that of a line contact with the moduli of the stack at its "
+            "pressure below the surface."
         )
+        if "weight_share" in known:
+            on_core = (
+                "Without friction the weight changes the pressure between the layers by the ratio; "
+                "above 1 they separate below the core. "
+            )
+            note = on_core + note
         yield Section("Weight", tuple(output_row(result, name) for name in known), note)
 
 
