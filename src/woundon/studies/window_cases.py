@@ -28,7 +28,7 @@ from ..problems.messages import quote
 from ..problems.paths import field_quantity, get_field, is_part_of, varied_number
 from ..problems.permitted import in_brackets
 from ..problems.problem import Problem
-from ..problems.schedules import Profile, Taper
+from ..problems.schedules import Profile, Steps, Taper
 from ..problems.winding import SCHEDULES, WindingProblem, schedule_limits
 from ..quantities import Quantity, scalar_outputs
 from .api import range_in_si
@@ -281,8 +281,8 @@ def with_value(problem: WindingProblem, name: str, value: Any) -> dict[str, Any]
     schedule = get_field(problem, name)
     if isinstance(schedule, Taper):
         return {f"{name}.start": value}
-    if isinstance(schedule, Profile):
-        factor = value / float(schedule.at(np.array(problem.core.radius)))
+    if isinstance(schedule, Profile | Steps):
+        factor = value / float(problem.curve(name).at(np.array(problem.core.radius)))
         return {f"{name}.value": tuple(factor * v for v in schedule.value)}
     return {name: value}
 
