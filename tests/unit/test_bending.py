@@ -252,6 +252,16 @@ def test_the_loads_of_a_bent_drum(bent):
     assert lanes.drum_deflection.values[-1] == pytest.approx(means, rel=1e-4)
 
 
+def test_the_error_of_the_number_of_lanes(bent):
+    """Honesty: four times as many lanes are within the estimates, which contain the edges."""
+    fine = wo.solve(bent.problem, **COARSE | {"lanes": 96})
+    for name in ("pressure", "tension", "least_tension", "strain", "ridge_height"):
+        value, exact = (getattr(each.worst_lane, name) for each in (bent, fine))
+        assert abs(value - exact) <= bent.error(f"worst_lane.{name}"), name
+    # the load at the edge falls by half a lane of its slope there
+    assert fine.worst_lane.tension > 1.005 * bent.worst_lane.tension
+
+
 def test_a_crown_evens_the_load(bent):
     """The parabola of the deflection in the middle leaves a part of its fourth order."""
     load = 2000.0
