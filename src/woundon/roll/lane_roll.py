@@ -343,9 +343,9 @@ def solve_lanes(
 
     A lane has the mean thickness of its part of the width.  Further lanes without a share of the
     width, which do not affect the others, have the extreme thicknesses of the profile, and lie at
-    the edges of the web if a drum bends: the difference of their worst values from those of the
-    lanes is the error of the number of lanes.  The stages add their tolerance, or their largest
-    error where that exceeds it, and the mean roll its own.
+    the edges and in the middle of the web if a drum bends: the difference of their worst values
+    from those of the lanes is the error of the number of lanes.  The stages add their tolerance, or
+    their largest error where that exceeds it, and the mean roll its own.
 
     Parameters
     ----------
@@ -369,7 +369,10 @@ def solve_lanes(
     """
     profile, oscillation = problem.thickness_profile, problem.oscillation
     lanes = profile.lanes(count, oscillation)
-    extremes = profile.extremes(oscillation, with_edges=bends(problem))
+    # a bent drum has its extreme loads at the edges and in the middle
+    first, last = profile.position[0], profile.position[-1]
+    bent = (first, (first + last) / 2, last) if bends(problem) else ()
+    extremes = profile.extremes(oscillation, bent)
     together = Lanes(*(np.concatenate(pair) for pair in zip(lanes, extremes, strict=True)))
     solved = _solve(result, build_up, together, nips, tolerance)
     roll = solved.of_lanes(lanes)
