@@ -12,17 +12,19 @@ below the roll to the front drum, and on to the rider roll on top::
 Balance of the roll with the web in its nips, per metre of width.  A drum presses with the load P_k
 along the line of centres, and its traction pulls the roll back with the force F_k (F_k < 0: it
 drives).  The web leaves the rear drum along the common tangent of drum and roll and pulls with
-T_in; with a drum wrap F_1 contains the traction on it, so that T_in + F_1 is the force in either
-case.  M is the torque of the core in the direction of rotation, and the rider idles, F_3 = 0:
+T_in - m V^2, its tension less the momentum m V^2 that it brings to the roll; the roll takes up its
+moment of momentum, so that the balance of moments contains T_in alone.  With a drum wrap F_1
+contains the traction on it, so that T_in + F_1 is the force in either case.  M is the torque of the
+core in the direction of rotation, and the rider idles, F_3 = 0:
 
     moment       F_1 + F_2 + F_3 = -T_in + M/R,    F_1 = -s T_in,  s the torque split
-    horizontal   P_1 sin a - P_2 sin b = (T_in + F_1) cos a + F_2 cos b
-    vertical     P_1 cos a + P_2 cos b = V - (T_in + F_1) sin a + F_2 sin b
+    horizontal   P_1 sin a - P_2 sin b = H cos a + F_2 cos b
+    vertical     P_1 cos a + P_2 cos b = V - H sin a + F_2 sin b
 
-with V the weight and the rider's load P_3.  The solution is
+with H = T_in + F_1 - m V^2, V the weight and the rider's load P_3.  The solution is
 
-    P_1 = (V sin b + (T_in + F_1) cos(a + b) + F_2)/sin(a + b)
-    P_2 = (V sin a - (T_in + F_1) - F_2 cos(a + b))/sin(a + b)
+    P_1 = (V sin b + H cos(a + b) + F_2)/sin(a + b)
+    P_2 = (V sin a - H - F_2 cos(a + b))/sin(a + b)
 """
 
 from __future__ import annotations
@@ -62,13 +64,13 @@ class TwoDrums(Description):
     front_drum : Rigid, HalfPlane, Cylinder or another Body
     gap : float
         Between the surfaces of the drums [m].
-    rider_load : float, Taper or Profile
+    rider_load : float, Taper, Steps or Profile
         Vertical load of the rider roll, or another downward force on the roll, over its radius
         [N/m].
     rider : Body, optional
         The rider roll, which idles.  Without it the load presses the roll onto the drums, but its
         nip is not solved.
-    core_torque : float, Taper or Profile
+    core_torque : float, Taper, Steps or Profile
         Torque of a core drive per metre of width [N], > 0 in the direction of rotation.
     front_friction, rider_friction : float, optional
         Coefficients of friction of web and front drum, web and rider; by default the winding's
@@ -238,6 +240,7 @@ def balanced_loads(
     weight: Array,
     rider_load: Array,
     web_tension: Array,
+    centrifugal: float,
     rear_force: Array,
     core_force: Array,
 ) -> DrumLoads:
@@ -253,12 +256,14 @@ def balanced_loads(
         Between the drums [m].
     weight, rider_load, web_tension, rear_force : (k,) arrays
         W, P_3, T_in and F_1 [N/m].
+    centrifugal : float
+        m V^2 [N/m].
     core_force : (k,) array
         M/R, force of the core torque at the surface of the roll [N/m].
     """
     a, b = angles_at_drums(radius, *drum_radii, gap)
     front_force = core_force - web_tension - rear_force
-    down, back = weight + rider_load, web_tension + rear_force  # V, and the pull at the rear drum
+    down, back = weight + rider_load, web_tension + rear_force - centrifugal  # V and H
     arc = a + b
     return DrumLoads(
         radius=radius,

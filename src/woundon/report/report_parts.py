@@ -18,9 +18,10 @@ from .. import quantities
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..problems.description import Description
+from ..problems.fields import FLAGS
 from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
-from ..problems.schedules import Profile, Taper
+from ..problems.schedules import Profile, Steps, Taper
 from ..quantities import Quantity, in_chosen_units
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 
@@ -268,6 +269,7 @@ def output_row(result: Result, name: str, value: float | None = None, **texts: s
 def value_row(quantity: Quantity | None, value: Any) -> Row:
     """Return the row of the value of a field: a number, several, a word, or None."""
     text = "not given" if value is None else str(value)
+    text = FLAGS[value] if isinstance(value, bool) else text
     if quantity is None:
         return Row(meaning="", symbol="", value=text)
     if isinstance(value, int | float):
@@ -311,7 +313,7 @@ def schedule_rows(problem: Problem, name: str, ends: Iterable[float]) -> list[Ro
     ends : (2,) iterable of float
         Values of the schedule at the core and at the surface [SI].
     """
-    if not isinstance(get_field(problem, name), Taper | Profile):
+    if not isinstance(get_field(problem, name), Taper | Steps | Profile):
         return [field_row(problem, name)]
     quantity = quantity_of_field(problem, name)
     return [

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from ..problems.paths import field_or_none
 from ..winding.margins import TITLES
 from ..winding.result import WindingResult
+from .drives_report import DRIVE_OUTPUTS, drive_parts
 from .lanes_report import WORST_LANE, lanes_sections
 from .margins_report import margins_part
 from .outputs_report import rows_of
@@ -69,6 +70,7 @@ LEFT_OUT = frozenset(
         "lane_count",
         "even_crown",
         *WORST_LANE,
+        *DRIVE_OUTPUTS,
     }
 )
 LAWS = {
@@ -108,11 +110,12 @@ def winding_report(result: WindingResult) -> list[Part]:
             (
                 field_row(problem.core, "radius"),
                 field_row(problem, "radius"),
-                *rows_of_given(problem, "caliper_pressure"),
+                *rows_of_given(problem, "caliper_pressure", "web_speed"),
                 *_schedules(result),
             ),
         ),
         *winder_parts(result),
+        *drive_parts(result),
         Section("Tension", tuple(output_row(result, name) for name in means + errors), text),
         winding_trade_rule(result),
         Section(

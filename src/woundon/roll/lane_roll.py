@@ -15,9 +15,10 @@ from ..problems.thickness_profile import Lanes
 from ..quantities import Quantity, length, line_load, on_request, share, strain, stress
 from .build_up import BuildUp, NotWoundError
 from .equations import StageData, StageSolution, stretched
-from .finished import add_constant, equations_of, final_changes, surface_layer_depth
+from .finished import ROUNDING, add_constant, equations_of, final_changes, surface_layer_depth
 from .lane_tension import tension_of_web
 from .lanes import LOAD, RHO, THETA, WEB, LaneBuildUp, TensionAt, wind_lanes
+from .separation import solve_on_core
 from .stage_nodes import cell_source, kinks_of, nodes_between
 
 if TYPE_CHECKING:
@@ -44,7 +45,6 @@ Array = np.ndarray
 FEWEST_LANES, MOST_LANES = 4, 1000
 LANES = 50  # by default: they resolve smooth profiles to 0.1 % of the tension
 TOLERANCE = 2e-3  # of the stages by default, that of a roll with the default rtol
-ROUNDING = 1e-9  # of the largest pressure: a smaller negative one is a rounding error
 SLACK = 1e-9  # of the mean tension: a lane with less is slack
 
 PRESSURES = ("pressure", "core_pressure", "compression")  # among the worst values
@@ -469,12 +469,15 @@ def _finished(problem: Any, wound: LaneBuildUp, lanes: Lanes) -> tuple[Array, Ar
         source=add_constant(wound.data.source, source_change),
         tension=wound.data.tension + core_change,
     )
-    solved = equations_of(problem).solve(data, wound.P.ravel(), wound.Q.ravel())
-    if solved is None:
+    found = solve_on_core(
+        equations_of(problem), data, wound.P.ravel(), wound.Q.ravel(), problem.core_removed
+    )
+    if found is None:
         raise NotConverged("no equilibrium of the lanes after the change of temperature or core")
+    solved, _ = found
     P, Q = solved.P.reshape(wound.P.shape), solved.Q.reshape(wound.P.shape)
     loosest = np.unravel_index(np.argmin(P), P.shape)
-    changed = source_change or core_change
+    changed = source_change or core_change or problem.core_removed
     if changed and P[loosest] < -ROUNDING * float(np.max(P)):
         place = f"the lane at {lanes.position[loosest[0]]:.4g} m across the web"
         raise NotConverged(

@@ -493,7 +493,8 @@ class _Lanes:
             for each in (by_kappa, by_theta)
         ]
         of_kappa, of_theta = factors.solve(np.array(right).T).T.reshape(2, *P.shape, 2)
-        kappa_by_P = self.equations.kappa_by_pressure(data, P.ravel(), layer[::2], E)
+        of_layer = layer[::2]
+        kappa_by_P = self.equations.kappa_by_pressure(data, P.ravel(), of_layer, of_layer, E)
         step, layer = (part.reshape(*P.shape, 2) for part in (step, layer))
         own, of_step, of_tension = (
             (kappa_by_P.reshape(P.shape) * part[..., 0]).sum(axis=1)

@@ -33,7 +33,6 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from ..elasticity.beam import Beam, BeamsAcross
 from ..errors import InvalidProblem, NotConverged, unwarned
@@ -81,6 +80,9 @@ class _Curve:
     """
 
     def __init__(self, x: Array, y: Array) -> None:
+        # the import takes a quarter of a second, which a nip on the command line does not need
+        from scipy.interpolate import PchipInterpolator
+
         self.first, self.last = float(x[0]), float(x[-1])
         self.value = PchipInterpolator(x, y)
         self.slope = self.value.derivative()
@@ -427,6 +429,7 @@ def lanes_of_winding(result: Any, rtol: float, count: int) -> LaneRoll:
     count : int
         Number of lanes.
     """
-    roll = wind(result.problem, result.radius, result.wound_on_tension, rtol, result.air_film)
+    arrays = result.radius, result.wound_on_tension
+    roll = wind(result.problem, *arrays, rtol, result.air_film, rotates=False)
     lanes = lanes_of(roll, result.problem, rtol, count, NipsOfWinding(result, roll.result))
     return lanes.with_finite_layers(abs(result.roll.finite_layer_effect))

@@ -16,6 +16,7 @@ from ..roll.lane_roll import LANES, LaneRoll, WithLanes
 from ..roll.result import RollResult
 from .bodies import NipSample
 from .certificate import certificate, recomputed_nips
+from .drives import DRIVES, Drive
 from .drum_nips import DrumNips
 from .margins import WithMargins
 from .roll import recompute_roll
@@ -60,6 +61,11 @@ class WindingResult(WithMargins, WithLanes, Result):
     front, rider : DrumNips or None
         Nips of the front drum and of the rider of a two-drum winder, at the radii of the solved
         nips; None without a winder, a rider or nips.
+    drive_radius : (K,) array
+        Radii at which the drives are computed [m]; empty without ``width`` and ``web_speed``.
+    core_drive, drum_drive, front_drive : Drive or None
+        Torque and power of the drives of core, winding (rear) drum and front drum; None without
+        this drive, or without ``width`` and ``web_speed``.
     nodes, nips_solved : int
         Number of nodes of each nip; number of nips solved in all iterations.
     roll_rtol, coupling_rtol : float
@@ -117,6 +123,9 @@ class WindingResult(WithMargins, WithLanes, Result):
             ),
             "nip_radius",
         )
+        | dict.fromkeys(
+            (f"{drive}.{name.name}" for drive in DRIVES for name in fields(Drive)), "drive_radius"
+        )
     )
     ESTIMATES: ClassVar[frozenset[str]] = frozenset(
         {
@@ -169,6 +178,12 @@ class WindingResult(WithMargins, WithLanes, Result):
     ] = 0.0
     front: DrumNips | None = None
     rider: DrumNips | None = None
+    drive_radius: Annotated[Array, length("r_d", "radii at which the drives are computed")] = field(
+        default_factory=lambda: np.zeros(0)
+    )
+    core_drive: Drive | None = None
+    drum_drive: Drive | None = None
+    front_drive: Drive | None = None
     wound: RollResult | None = field(default=None, compare=False, metadata={"saved": False})
     nips: tuple[NipSample, ...] = field(default=(), compare=False, metadata={"saved": False})
     lane_count: Annotated[int, pure("L", "number of lanes across the width")] = 0
@@ -287,6 +302,20 @@ class WindingResult(WithMargins, WithLanes, Result):
     ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per width")]:
         """Mass of the web per metre of width [kg/m]; nan if its density is not given."""
         return self.roll.mass
+
+    @property
+    def running_core_pressure(
+        self,
+    ) -> Annotated[float, stress("P_c,V", "pressure of the running roll on the core")]:
+        """P of the finished roll at the core while it runs [Pa]; nan without centrifugal force."""
+        return self.roll.running_core_pressure
+
+    @property
+    def centrifugal_tension(
+        self,
+    ) -> Annotated[float, line_load("m V^2", "part of the tension taken by centrifugal force")]:
+        """m V^2, by which the running web presses less [N/m]; nan without speed or density."""
+        return self.problem.centrifugal_tension or float("nan")
 
     def certified(self) -> Residuals:
         """Compute the residuals from problem and arrays."""
