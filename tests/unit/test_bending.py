@@ -303,6 +303,24 @@ def test_a_winding_on_a_stiff_drum_is_that_on_a_straight_one(changes):
         assert stiff[name].values == pytest.approx(straight[name].values, abs=1e-9 * scale)
 
 
+def test_a_crowned_front_drum_presses_the_middle():
+    """Conservation, and each drum has its own crown and deflection."""
+    winder = TWO_DRUMS["winder"].replace(front_bending=DRUM.replace(crown=4e-4))
+    problem = WINDING.replace(**{**TWO_DRUMS, "winder": winder}, density=680.0)
+    lanes = wo.solve(problem, **COARSE | {"lanes": 12}).lanes
+    share, front = lanes.share.values, lanes.front_load.values
+    loads = problem.drum_loads(lanes.radius.values)
+    assert front @ share == pytest.approx(loads.front_load, rel=1e-12)
+    assert front[-1, 6] > 1.3 * front[-1, 0]
+    # the rear drum is straight: its load follows the surface, which is lower where the web is tight
+    assert np.ptp(lanes.nip_load.values[-1]) < 0.3 * np.ptp(front[-1])
+    assert "drum_deflection" not in lanes
+    # about that under an even load, from the bearings, since the load differs by a third
+    across = BeamsAcross([Beam(EI, 0.2)], np.full(12, W / 12), np.zeros(0))
+    even = across.deflection(np.full((12, 1, 1), loads.front_load[-1]))[:, 0, 0]
+    assert lanes.front_deflection.values[-1] == pytest.approx(even, rel=0.3)
+
+
 def test_report_figure_and_file_of_a_bent_drum(bent, tmp_path):
     text = " ".join(str(bent).split())
     assert "range of the deflection of the drum away from the roll" in text
