@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from .bending import BENDING
-from .paths import field_or_none, field_quantity
+from .bending import bends
+from .paths import field_quantity
 
 __all__ = ["of_nip", "of_roll", "of_rollers", "of_winding"]
 
@@ -161,7 +161,7 @@ def of_winding(problem: Any) -> tuple[str, ...]:
         "The roll is axisymmetric, its layers elastic, and without creep.",
         UNLOADED_THICKNESS if problem.caliper_pressure is None else CALIPER_THICKNESS,
         _across(problem, UNIFORM),
-        *([BEAMS] if any(field_or_none(problem, name) is not None for name in BENDING) else []),
+        *([BEAMS] if bends(problem) else []),
         *([AIR] if problem.air is not None else []),
         *_centrifugal(problem, low=float(tensions.min()), high=float(tensions.max())),
         *_rotation(problem),

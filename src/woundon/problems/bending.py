@@ -23,7 +23,7 @@ from .messages import quote
 from .paths import field_or_none
 from .thickness_profile import means_between
 
-__all__ = ["BENDING", "Bending", "DrumBending", "faults_of_bending"]
+__all__ = ["BENDING", "Bending", "DrumBending", "bends", "faults_of_bending"]
 
 Array = np.ndarray
 # Fields of a winding.
@@ -188,6 +188,11 @@ class DrumBending(Bending):
         across = (ends - ends[0]) / (ends[-1] - ends[0])
         integral = 2 * across**2 - 4 * across**3 / 3
         return np.asarray(self.crown * np.diff(integral) / np.diff(across))
+
+
+def bends(problem: Any) -> bool:
+    """Return whether a drum or the core of a problem is a beam."""
+    return any(field_or_none(problem, name) is not None for name in BENDING)
 
 
 def faults_of_bending(problem: Any) -> Iterator[tuple[str, str]]:
