@@ -325,6 +325,13 @@ class RollResult(WithLanes, Result):
         return self.length * float(self.problem.web_thickness) * float(density)
 
     @property
+    def bending_strain(
+        self,
+    ) -> Annotated[Array, strain("eps_b", "bending strain at the faces of the layers")]:
+        """h/2r, the strain at the faces of a straight web that is bent to the radius r [1]."""
+        return np.asarray(self.problem.web_thickness / (2 * self.radius))
+
+    @property
     def residual_tension(
         self,
     ) -> Annotated[Array, line_load("T_r", "residual tension in the layers")]:
