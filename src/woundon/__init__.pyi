@@ -22,6 +22,8 @@ from .nip.result import NipResult as NipResult
 from .nip.roller_result import RollerResult as RollerResult
 from .problems.air import Air as Air
 from .problems.air_law import AirBetween as AirBetween
+from .problems.bending import Bending as Bending
+from .problems.bending import DrumBending as DrumBending
 from .problems.bodies import Body as Body
 from .problems.bodies import Cylinder as Cylinder
 from .problems.bodies import HalfPlane as HalfPlane
@@ -31,6 +33,7 @@ from .problems.bodies import Rigid as Rigid
 from .problems.grades import Grade as Grade
 from .problems.grades import grade as grade
 from .problems.grades import grades as grades
+from .problems.inertia import Inertia as Inertia
 from .problems.limits import Limits as Limits
 from .problems.materials import Isotropic as Isotropic
 from .problems.materials import Material as Material
@@ -50,6 +53,7 @@ from .problems.roll import Core as Core
 from .problems.roll import RollProblem as RollProblem
 from .problems.rollers import RollerProblem as RollerProblem
 from .problems.schedules import Profile as Profile
+from .problems.schedules import Steps as Steps
 from .problems.schedules import Taper as Taper
 from .problems.stack import Stack as Stack
 from .problems.thickness_profile import ThicknessProfile as ThicknessProfile

@@ -68,6 +68,8 @@ DISPLAYED: Mapping[str, tuple[str, float]] = MappingProxyType(
         "%": ("1", 1e-2),
         "deg": ("rad", pi / 180),
         "ms": ("s", 1e-3),
+        "kW": ("W", 1e3),
+        "rpm": ("rad/s", pi / 30),
         "m/min": ("m/s", 1 / 60),
     }
 )

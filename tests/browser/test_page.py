@@ -394,6 +394,34 @@ def test_a_study_is_run_seen_and_cancelled(look, example):
         assert float(tension) == pytest.approx(result.wound_on_tension, abs=apart)
 
 
+def test_steps_and_a_power_law_in_place_of_a_number(look):
+    """A hard core, whose second value is entered; then a taper of the law "power"."""
+    seen = look()
+    page = seen.page
+    page.click("#tab-winding")
+    page.wait_for_selector(".schedule-plot")
+    page.select_option("#f-wound_on_tension", "Steps")
+    seen.rest()
+    assert page.input_value("#f-wound_on_tension-value").split() == ["350", "350"]
+    assert page.input_value("#f-wound_on_tension-depth").split() == ["20"]  # mm
+    page.fill("#f-wound_on_tension-value", "350\n250")
+    seen.rest()
+    assert page.locator(".schedule-plot .knob").count() == 4  # ends, and the corners of the ramp
+    example = wo.RollProblem.example()
+    steps = wo.solve(example.replace(wound_on_tension=wo.Steps(value=[350, 250], depth=[0.02])))
+    assert seen.output("core_pressure") == pytest.approx(steps.core_pressure, rel=SAME)
+    page.select_option("#f-wound_on_tension", "Taper")
+    page.select_option("#f-wound_on_tension-law", "power")
+    fault = page.wait_for_selector("[data-path='wound_on_tension.exponent'] .fault")
+    assert "missing" in fault.inner_text()
+    page.fill("[data-path='wound_on_tension.exponent'] .box", "0.5")
+    seen.rest()
+    start = float(seen.box("wound_on_tension.start"))
+    power = example.replace(wound_on_tension=wo.Taper(start=start, law="power", exponent=0.5))
+    expected = wo.solve(power).core_pressure
+    assert seen.output("core_pressure") == pytest.approx(expected, rel=SAME)
+
+
 def test_a_wound_roll_by_dragging_its_schedule(look):
     seen = look()
     page = seen.page

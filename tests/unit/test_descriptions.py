@@ -172,7 +172,9 @@ EXAMPLES = [
     wo.Layer(thickness=0.01, material=RUBBER),
     wo.Layered(radius=0.1, layers=[wo.Layer(thickness=0.01, material="rubber")]),
     wo.WoundRoll(radius=0.1, core_radius=0.0445, stack=STACK, pressure=2e5),
-    wo.Taper(start=350.0, taper=0.3), wo.Limits(blocking_pressure=1e6), wo.Air(roughness=3e-6),
+    wo.Taper(start=350.0, taper=0.3), wo.Taper(start=350.0, law="power", exponent=0.5),
+    wo.Steps(value=[400.0, 300.0], depth=[0.02]), wo.Limits(blocking_pressure=1e6),
+    wo.Air(roughness=3e-6), wo.Inertia(core=0.5),
     wo.Core(radius=0.05, stiffness=1e9),
     wo.Core(radius=0.05, inner_radius=0.04, material="steel"),
     nip(air=wo.Air(roughness=3e-6), web_speed=10.0),
@@ -183,6 +185,8 @@ EXAMPLES = [
     WINDING.replace(winder=WINDER, drum=wo.Rigid(radius=0.3), nip_load=None, torque_split=0.5),
     wo.NextNip(angle=1.5, drum=wo.Rigid(radius=0.25), nip_load=2000.0),
     wo.ThicknessProfile(position=[0.0, 0.5, 1.0], thickness=[1.0, 1.01, 1.0]),
+    wo.Bending(flexural_rigidity=1e6),
+    wo.DrumBending(flexural_rigidity=1e6),
 ]  # fmt: skip
 
 

@@ -27,6 +27,8 @@ def test_a_tube_shrinks_as_lame_says():
         wo.Taper(start=300.0, taper=0.4),
         wo.Taper(start=300.0, taper=0.4, law="hyperbolic"),
         wo.Taper(start=300.0, law="constant_torque"),
+        wo.Taper(start=300.0, law="power", exponent=0.6),
+        wo.Steps(value=[583.3333333333334 / 2, 250.0], depth=[0.06], ramp=0.05),
         wo.Profile(radius=[0.04, 0.1, 0.2], value=[300.0, 250.0, 100.0]),
         300.0,
     ],

@@ -71,12 +71,15 @@ def test_closed_form_of_constant_moduli(case: dict, pressures: list[float]):
         {"wound_on_tension": wo.Taper(start=200.0, taper=0.4)},
         {"wound_on_tension": wo.Taper(start=200.0, taper=0.5, law="hyperbolic")},
         {"wound_on_tension": wo.Taper(start=200.0, law="constant_torque")},
+        {"wound_on_tension": wo.Taper(start=200.0, law="power", exponent=0.6)},
+        {"wound_on_tension": wo.Steps(value=[250.0, 200.0], depth=[0.02])},
         {"wound_on_tension": wo.Profile(radius=[0.05, 0.1, 0.2], value=[200.0, 150.0, 160.0])},
         {"temperature_change": -20.0, "tangential_expansion": 1e-5, "radial_expansion": 5e-5,
          "core_expansion": 1.2e-5},
         {"core_shrinkage": 1e-4},
     ],
-    ids=["linear", "hyperbolic", "constant torque", "profile", "cooled", "core shrunk"],
+    ids=["linear", "hyperbolic", "constant torque", "power", "hard core", "profile", "cooled",
+         "core shrunk"],
 )  # fmt: skip
 @pytest.mark.parametrize("case", [STIFF, slow_case(PAPER)], ids=["stiff", "paper"])
 def test_schedules_and_changes_against_their_closed_forms(case: dict, more: dict):

@@ -22,6 +22,7 @@ from ..arguments import Option, check_type, nodes_or_rtol, tolerance, whole_numb
 from ..contact.newton import NewtonFailed
 from ..contact.refinement import (
     FIRST_SIZES,
+    LOOSE,
     REPORTED,
     MeshSolution,
     Refinement,
@@ -217,6 +218,7 @@ def _refined(
             nodes=nodes,
             tolerances=tolerances,
             most_nodes=MOST_NODES_RTOL if rtol else max_nodes,
+            loose=(rtol or default) >= LOOSE,
             start=getattr(start, "refinement", None),
             # of the same problem only the coarse meshes are solved
             last=start.refinement.last if start and start.problem == problem else None,

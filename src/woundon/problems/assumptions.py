@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from .paths import field_quantity
+from .bending import BENDING
+from .paths import field_or_none, field_quantity
 
 __all__ = ["of_nip", "of_roll", "of_rollers", "of_winding"]
 
@@ -16,6 +17,9 @@ UNIFORM_THICKNESS = "The web has a uniform thickness across its width."
 UNLOADED_THICKNESS = "The web thickness is that without pressure, as caliper_pressure is not given."
 CALIPER_THICKNESS = "The web thickness is that under the caliper pressure."
 LANE = "The thickest lane does not change the stresses in the rest of the roll."
+BEAMS = (
+    "Drums and core of given flexural rigidity bend under their nip load as beams on two bearings."
+)
 LANES = "The lanes across the width share the web and the drum, without shear between them."
 ROTATION = (
     "The roll is wound at a constant web speed and then stops; the core does not expand by its own "
@@ -157,6 +161,7 @@ def of_winding(problem: Any) -> tuple[str, ...]:
         "The roll is axisymmetric, its layers elastic, and without creep.",
         UNLOADED_THICKNESS if problem.caliper_pressure is None else CALIPER_THICKNESS,
         _across(problem, UNIFORM),
+        *([BEAMS] if any(field_or_none(problem, name) is not None for name in BENDING) else []),
         *([AIR] if problem.air is not None else []),
         *_centrifugal(problem, low=float(tensions.min()), high=float(tensions.max())),
         *_rotation(problem),

@@ -191,7 +191,7 @@ class RollProblem(Problem):
     stack : Stack
     web_thickness : float
         2h [m].
-    wound_on_tension : float, Taper or Profile
+    wound_on_tension : float, Taper, Steps or Profile
         WOT over the radius [N/m], > 0.
     caliper_pressure : float, optional
         Pressure under which web_thickness was measured [Pa], 100 kPa in ISO 534.  Without it
@@ -249,6 +249,7 @@ class RollProblem(Problem):
         **only_in("WindingProblem", "winding_force", "torque_split", "roll_wrap", "drum_wrap"),
         **only_in("NipProblem", "next_nips"),
         **only_in("WindingProblem", "winder", "wrap_friction", "roll_body", "air", "width"),
+        **only_in("WindingProblem", "drum_bending", "core_bending"),
         **only_in("RollerProblem", "upper", "lower", "load", "friction", "tangential_load"),
         **only_in("RollerProblem", "creepage", "motion", "speed"),
     }
@@ -350,10 +351,9 @@ class RollProblem(Problem):
     def _check_tension(self) -> None:
         """Reject a tension that is not positive from the core to the surface."""
         schedule = self.wound_on_tension
-        if isinstance(schedule, Profile):
-            ends = self.core.radius, self.radius
-            if uncovered := list(uncovered_ends("wound_on_tension", schedule, *ends)):
-                raise InvalidProblem(uncovered)
+        ends = self.core.radius, self.radius
+        if uncovered := list(uncovered_ends("wound_on_tension", schedule, *ends)):
+            raise InvalidProblem(uncovered)
         for name, value in values_of(schedule).items():
             if not 0 < value <= 1e6:
                 text = f"{quote(value)} is out of range; must be > 0 and <= 1e+06 [N/m]"
@@ -367,10 +367,11 @@ class RollProblem(Problem):
                     f"{text}; must be > 0 [N/m]: give more values, or between = 'lines'",
                 )
         if isinstance(schedule, Taper) and not self.tension_curve.at(np.array(self.radius)) > 0:
+            name = schedule.field_of_law
             raise InvalidProblem.at(
-                "wound_on_tension.taper",
-                f"{quote(schedule.taper)} is out of range; the tension at the surface must be "
-                "> 0 [N/m]",
+                f"wound_on_tension.{name}",
+                f"{quote(getattr(schedule, name))} is out of range; the tension at the surface "
+                "must be > 0 [N/m]",
             )
         self._check_centrifugal_force()
 

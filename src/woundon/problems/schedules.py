@@ -1,4 +1,4 @@
-"""Schedules over the radius of a roll: a constant, a profile, or a taper."""
+"""Schedules over the radius of a roll: a constant, a profile, a taper, or steps."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from .fields import (
     NumberOfField,
     Numbers,
     NumbersOfField,
+    OptionalNumber,
     check_equal_lengths,
     check_rising,
     default,
@@ -26,16 +27,18 @@ from .fields import (
 from .inputs import FloatWithUnit, Inputs
 from .messages import quote
 from .paths import field_or_none
-from .permitted import is_within
+from .permitted import Conditional, is_within
 
 if TYPE_CHECKING:
     from .fields import CoercedField
 
 __all__ = [
+    "AnySchedule",
     "Curve",
     "OptionalWindingSchedule",
     "Profile",
     "Schedule",
+    "Steps",
     "Taper",
     "WindingSchedule",
     "as_schedule",
@@ -47,6 +50,7 @@ __all__ = [
 ]
 
 Array = np.ndarray
+MOST_STEPS = 20
 
 
 class Profile(Description):
@@ -135,7 +139,8 @@ class Taper(Description):
 
     - ``linear``: start (1 - taper t);
     - ``hyperbolic``: start (1 - taper (1 - rc/r));
-    - ``constant_torque``: start rc/r, without a taper.
+    - ``constant_torque``: start rc/r, without a taper: hyperbolic with the taper 1;
+    - ``power``: start (rc/r)^exponent, without a taper: 0 is constant, 1 constant torque.
 
     Parameters
     ----------
@@ -143,7 +148,14 @@ class Taper(Description):
         Value at the core, in the unit of the field that has the schedule.
     taper : float
         Relative decrease, 0 to 1; negative for an increase.
-    law : "linear", "hyperbolic" or "constant_torque"
+    law : "linear", "hyperbolic", "constant_torque" or "power"
+    exponent : float, optional
+        Of the law "power" [1]; negative for an increase.
+
+    Raises
+    ------
+    InvalidProblem
+        For a value out of range, or one that the law does not have.
 
     Examples
     --------
@@ -151,6 +163,10 @@ class Taper(Description):
     >>> tension = wo.Taper(start="400 N/m", taper="30 %")
     >>> wo.WindingProblem.example().replace(web_tension=tension).web_tension.taper
     0.3
+    >>> falling = wo.Taper(start="400 N/m", law="power", exponent=0.5)
+    >>> winding = wo.WindingProblem.example().replace(web_tension=falling)  # core 0.05 m
+    >>> winding.at("web_tension", 0.2).item()
+    200.0
     """
 
     start: Annotated[NumberOfField, OF_FIELD, Field(description="value at the core")]
@@ -159,18 +175,127 @@ class Taper(Description):
         pure("k_T", "taper: relative decrease over the build-up", (0.0, 0.7)),
         Field(ge=-10, le=1),
     ] = default(0.0)
-    law: Literal["linear", "hyperbolic", "constant_torque"] = "linear"
+    law: Literal["linear", "hyperbolic", "constant_torque", "power"] = "linear"
+    exponent: Annotated[
+        OptionalNumber,
+        pure("n_T", "exponent of the power law of a taper", (0.0, 1.0)),
+        Field(ge=-10, le=10),
+        Conditional('required with law = "power", not allowed otherwise'),
+    ] = default(None)
 
     @model_validator(mode="after")
-    def _check_taper(self) -> Self:
-        """Reject a taper for the law "constant_torque", which determines it."""
-        if self.law == "constant_torque" and self.taper:
-            text = f"{quote(self.taper)} is given, but law = 'constant_torque' has no taper"
-            raise InvalidProblem.at("taper", f"{text}; must be omitted")
+    def _check_law(self) -> Self:
+        """Reject a taper or an exponent that the law does not have."""
+        law = f"law = {self.law!r}"
+        if self.taper and self.field_of_law != "taper":
+            text = f"{quote(self.taper)} is given, but {law} has no taper; must be omitted"
+            raise InvalidProblem.at("taper", text)
+        if self.exponent is None and self.law == "power":
+            text = f"missing; must be >= -10 and <= 10 with {law}"
+            raise InvalidProblem.at("exponent", text)
+        if self.exponent is not None and self.law != "power":
+            text = f"{quote(self.exponent)} is given, but {law} has no exponent; must be omitted"
+            raise InvalidProblem.at("exponent", text)
         return self
 
+    @property
+    def field_of_law(self) -> str:
+        """Name of the field that determines the decrease: that of the law, else ``start``."""
+        return {"power": "exponent", "constant_torque": "start"}.get(self.law, "taper")
 
-def as_schedule(value: Any, name: str | None, *classes: type[Profile | Taper]) -> Any:
+    def at(self, r: Array, core: float, radius: float) -> Array:
+        """Return the values at radii [m] of a roll from ``core`` to ``radius`` [m]."""
+        if self.law == "linear":
+            return self.start * (1 - self.taper * (r - core) / (radius - core))
+        if self.law == "hyperbolic":
+            return self.start * (1 - self.taper * (1 - core / r))
+        return self.start * (core / r) ** self._power
+
+    def slope(self, r: Array, core: float, radius: float) -> Array:
+        """Return the derivatives [1/m] at radii [m] of a roll from ``core`` to ``radius`` [m]."""
+        if self.law == "linear":
+            return np.full(np.shape(r), -self.start * self.taper / (radius - core))
+        if self.law == "hyperbolic":
+            return -self.start * self.taper * core / r**2
+        return -self._power * self.at(r, core, radius) / r
+
+    @property
+    def _power(self) -> float:
+        """n of start (rc/r)^n, of the laws "constant_torque" and "power"."""
+        return 1.0 if self.exponent is None else self.exponent
+
+
+class Steps(Description):
+    """A value that changes in steps from the core to the surface, such as a hard core.
+
+    Parameters
+    ----------
+    value : sequence of float
+        Values from the core outward, in the unit of the field that has the schedule.
+    depth : sequence of float
+        Thickness wound onto the core where the next value begins [m], rising; one less than values.
+    ramp : float
+        Depth over which the value then changes linearly to the next one [m].
+
+    Raises
+    ------
+    InvalidProblem
+        For a step that begins before the previous ramp ends, or the wrong number of depths.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> hard_core = wo.Steps(value=["450 N/m", "350 N/m"], depth=["20 mm"])
+    >>> winding = wo.WindingProblem.example().replace(web_tension=hard_core)  # core 0.05 m
+    >>> winding.at("web_tension", [0.05, 0.07, 0.0705, 0.071, 0.6])
+    array([450., 450., 400., 350., 350.])
+    """
+
+    value: Annotated[
+        NumbersOfField,
+        OF_FIELD,
+        Field(min_length=2, max_length=MOST_STEPS + 1, description="values from the core outward"),
+    ]
+    depth: Annotated[
+        Numbers,
+        length("d_T", "thickness on the core where the next value begins"),
+        Field(min_length=1, max_length=MOST_STEPS),
+    ]
+    ramp: Annotated[
+        Number,
+        length("b_T", "depth over which a step is made", typical=(0.5e-3, 5e-3)),
+        Field(gt=0, le=10),
+    ] = default(1e-3)
+
+    @model_validator(mode="after")
+    def _check_steps(self) -> Self:
+        """Reject a wrong number of depths, and a step that begins before the last one ends."""
+        if len(self.depth) != len(self.value) - 1:
+            must = f"must be {len(self.value) - 1}, one less than of value"
+            raise InvalidProblem.at("depth", f"{len(self.depth)} values; {must}")
+        ends = (0.0, *(depth + self.ramp for depth in self.depth))
+        for k, (depth, end) in enumerate(zip(self.depth, ends, strict=False)):
+            if depth <= end:
+                after = ", the end of the previous ramp" if k else ""
+                text = f"{quote(depth)} is out of range; must be > {end:.6g} [m]{after}"
+                raise InvalidProblem.at(f"depth.{k}", text)
+        return self
+
+    def profile(self, core: float, radius: float) -> Profile:
+        """Return the values as a profile, for a roll from ``core`` to ``radius`` [m]."""
+        radii, values = [core], [self.value[0]]
+        for depth, before, after in zip(self.depth, self.value, self.value[1:], strict=False):
+            radii += [core + depth, core + depth + self.ramp]
+            values += [before, after]
+        if radii[-1] < radius:
+            radii, values = [*radii, radius], [*values, self.value[-1]]
+        return Profile(radius=radii, value=values)
+
+
+AnySchedule = float | Profile | Taper | Steps
+
+
+def as_schedule(value: Any, name: str | None, *classes: type[Profile | Taper | Steps]) -> Any:
     """Return the schedule that a field holds for a table, or for a schedule with units.
 
     Values with units were read without the field, which alone determines the unit; they are read
@@ -198,7 +323,7 @@ def _texts_of(schedule: Any) -> dict[str, Any]:
     """Return the values of a schedule as they were entered, if they have units; otherwise {}."""
     if isinstance(schedule, Taper) and isinstance(schedule.start, FloatWithUnit):
         return {"start": schedule.start.text}
-    values = schedule.value if isinstance(schedule, Profile) else ()
+    values = schedule.value if isinstance(schedule, Profile | Steps) else ()
     if any(isinstance(value, FloatWithUnit) for value in values):
         return {"value": [getattr(value, "text", value) for value in values]}
     return {}
@@ -208,22 +333,21 @@ def _profile(value: Any, info: ValidationInfo) -> Any:
     return as_schedule(value, info.field_name, Profile)
 
 
-def _profile_or_taper(value: Any, info: ValidationInfo) -> Any:
-    return as_schedule(value, info.field_name, Taper, Profile)
+def _any_schedule(value: Any, info: ValidationInfo) -> Any:
+    return as_schedule(value, info.field_name, Taper, Profile, Steps)
 
 
-# Schedule: a number or a profile.  WindingSchedule: also a taper, for the inputs of a winder.
+# Schedule: a number or a profile.  WindingSchedule: also a taper or steps, for the inputs of a
+# winder.
 if TYPE_CHECKING:
     Schedule = CoercedField[float | Profile, float | str | Profile | Mapping[str, Any]]
-    WindingSchedule = CoercedField[
-        float | Profile | Taper, float | str | Profile | Taper | Mapping[str, Any]
-    ]
+    WindingSchedule = CoercedField[AnySchedule, AnySchedule | str | Mapping[str, Any]]
     OptionalWindingSchedule = CoercedField[
-        float | Profile | Taper | None, float | str | Profile | Taper | Mapping[str, Any] | None
+        AnySchedule | None, AnySchedule | str | Mapping[str, Any] | None
     ]
 else:
     Schedule = Annotated[Number | Profile, BeforeValidator(_profile)]
-    WindingSchedule = Annotated[Number | Profile | Taper, BeforeValidator(_profile_or_taper)]
+    WindingSchedule = Annotated[Number | Profile | Taper | Steps, BeforeValidator(_any_schedule)]
     OptionalWindingSchedule = WindingSchedule | None
 
 
@@ -255,7 +379,7 @@ class Curve:
 
     Parameters
     ----------
-    schedule : float, Profile or Taper
+    schedule : float, Profile, Taper or Steps
     core, radius : float
         [m].
     scale : float
@@ -263,8 +387,10 @@ class Curve:
     """
 
     def __init__(
-        self, schedule: float | Profile | Taper, core: float, radius: float, scale: float = 1.0
+        self, schedule: AnySchedule, core: float, radius: float, scale: float = 1.0
     ) -> None:
+        if isinstance(schedule, Steps):
+            schedule = schedule.profile(core, radius)
         self.schedule, self.core, self.radius, self.scale = schedule, core, radius, scale
         inner = schedule.kinks if isinstance(schedule, Profile) else ()
         self.kinks = np.array([r for r in inner if core < r < radius])
@@ -276,29 +402,21 @@ class Curve:
 
     def at(self, r: Array) -> Array:
         """Return the values at radii [m]."""
-        values, _ = self._values_and_slopes(r, side=1)
-        return self.scale * values
+        schedule = self.schedule
+        if isinstance(schedule, Profile):
+            return self.scale * schedule.at(r)
+        if isinstance(schedule, Taper):
+            return self.scale * schedule.at(r, self.core, self.radius)
+        return self.scale * np.full(np.shape(r), schedule)
 
     def slope(self, r: Array, side: int | Array = 1) -> Array:
         """Return the derivatives [1/m]; at a kink the left (-1) or right (1) derivative."""
-        _, slopes = self._values_and_slopes(r, side)
-        return self.scale * slopes
-
-    def _values_and_slopes(self, r: Array, side: int | Array) -> tuple[Array, Array]:
-        """Return values and derivatives at radii [m], without the scale; ``side`` as of slope."""
-        schedule, core = self.schedule, self.core
+        schedule = self.schedule
         if isinstance(schedule, Profile):
-            return schedule.at(r), schedule.slope(r, side)
-        if not isinstance(schedule, Taper):
-            return np.full(np.shape(r), schedule), np.zeros(np.shape(r))
-        start, fall = schedule.start, schedule.start * schedule.taper
-        if schedule.law == "linear":
-            share = (r - core) / (self.radius - core)
-            slope = np.full(np.shape(r), -fall / (self.radius - core))
-            return start - fall * share, slope
-        if schedule.law == "hyperbolic":
-            return start - fall * (1 - core / r), -fall * core / r**2
-        return start * core / r, -start * core / r**2
+            return self.scale * schedule.slope(r, side)
+        if isinstance(schedule, Taper):
+            return self.scale * schedule.slope(r, self.core, self.radius)
+        return np.zeros(np.shape(r))
 
 
 def at_radius(schedule: float | Profile, r: Array) -> Array:
@@ -306,9 +424,9 @@ def at_radius(schedule: float | Profile, r: Array) -> Array:
     return schedule.at(r) if isinstance(schedule, Profile) else np.full(np.shape(r), schedule)
 
 
-def values_of(schedule: float | Profile | Taper) -> dict[str, float]:
+def values_of(schedule: AnySchedule) -> dict[str, float]:
     """Return the numbers of a schedule by the suffix of their dotted name."""
-    if isinstance(schedule, Profile):
+    if isinstance(schedule, Profile | Steps):
         return {f".value.{k}": value for k, value in enumerate(schedule.value)}
     if isinstance(schedule, Taper):
         return {".start": schedule.start}
@@ -316,18 +434,28 @@ def values_of(schedule: float | Profile | Taper) -> dict[str, float]:
 
 
 def uncovered_ends(
-    name: str, schedule: Profile, core: float, radius: float
+    name: str, schedule: AnySchedule, core: float, radius: float
 ) -> Iterator[tuple[str, str]]:
-    """Yield (field, message) for each end of a schedule that does not reach the end of a roll.
+    """Yield (field, message) for what of a schedule does not fit a roll.
+
+    The radii of a profile must reach from the core to the surface; steps must end below it.
 
     Parameters
     ----------
     name : str
         Field that holds the schedule.
-    schedule : Profile
+    schedule : float, Profile, Taper or Steps
     core, radius : float
         Radii of the core and of the finished roll [m].
     """
+    if isinstance(schedule, Steps):
+        largest = radius - core - schedule.ramp
+        for k, depth in enumerate(schedule.depth):
+            if not is_within(depth, 0.0, largest):
+                text = f"{quote(depth)} is out of range; must be <= {largest:.6g} [m]"
+                yield f"{name}.depth.{k}", f"{text}: the ramp must end on the roll"
+    if not isinstance(schedule, Profile):
+        return
     last = len(schedule.radius) - 1
     # index of a radius, the interval that it must be in, and its text
     for k, covered, must in (
@@ -340,8 +468,8 @@ def uncovered_ends(
 
 
 def unused_in_tapers(problem: BaseModel, names: Iterable[str]) -> Iterator[str]:
-    """Yield the dotted names of the tapers of a constant torque, which determines them."""
+    """Yield the dotted names of the tapers of a law that has none."""
     for name in names:
         schedule = field_or_none(problem, name)
-        if isinstance(schedule, Taper) and schedule.law == "constant_torque":
+        if isinstance(schedule, Taper) and schedule.field_of_law != "taper":
             yield f"{name}.taper"

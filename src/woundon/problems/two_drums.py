@@ -37,9 +37,10 @@ import numpy as np
 from pydantic import Field
 
 from ..quantities import Quantity, length, line_load, pure
+from .bending import DrumBending
 from .bodies import AnyBody, OptionalBody
 from .description import Description
-from .fields import Number, OptionalNumber, default
+from .fields import Number, OptionalNested, OptionalNumber, default
 from .messages import quote
 from .permitted import Conditional
 from .schedules import WindingSchedule
@@ -63,19 +64,21 @@ class TwoDrums(Description):
     front_drum : Rigid, HalfPlane, Cylinder or another Body
     gap : float
         Between the surfaces of the drums [m].
-    rider_load : float, Taper or Profile
+    rider_load : float, Taper, Steps or Profile
         Vertical load of the rider roll, or another downward force on the roll, over its radius
         [N/m].
     rider : Body, optional
         The rider roll, which idles.  Without it the load presses the roll onto the drums, but its
         nip is not solved.
-    core_torque : float, Taper or Profile
+    core_torque : float, Taper, Steps or Profile
         Torque of a core drive per metre of width [N], > 0 in the direction of rotation.
     front_friction, rider_friction : float, optional
         Coefficients of friction of web and front drum, web and rider; by default the winding's
         ``drum_friction``.
     core_mass : float
         Mass of core and shaft per metre of width [kg/m].
+    front_bending, rider_bending : DrumBending, optional
+        Bending and crown of front drum and rider across the width; with a thickness profile.
 
     Raises
     ------
@@ -125,6 +128,16 @@ class TwoDrums(Description):
         Quantity("m_c", "kg/m", "mass of core and shaft, per width", typical=(0.0, 50.0)),
         Field(ge=0, le=1e5),
     ] = default(0.0)
+    front_bending: Annotated[
+        OptionalNested[DrumBending],
+        Field(description="bending and crown of the front drum"),
+        Conditional("only with thickness_profile"),
+    ] = default(None)
+    rider_bending: Annotated[
+        OptionalNested[DrumBending],
+        Field(description="bending and crown of the rider roll"),
+        Conditional("only with thickness_profile"),
+    ] = default(None)
 
     def geometry_faults(
         self, rear_radius: float, smallest: float, largest: float

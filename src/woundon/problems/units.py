@@ -55,6 +55,7 @@ min = 60 s
 h = 3600 s
 Hz = 1 / s
 kHz = 1e3 / s
+rpm = 0.10471975511965977 rad/s
 g = 1e-3 kg
 lb = 0.45359237 kg
 oz = 1/16 lb
@@ -69,6 +70,7 @@ lbf = 4.4482216152605 N
 ozf = 1/16 lbf
 W = N * m / s
 kW = 1e3 W
+hp = 745.69987158227022 W
 Pa = N / m**2
 kPa = 1e3 Pa
 MPa = 1e6 Pa
@@ -176,6 +178,10 @@ MILL = {
     "m/min": "fpm",
     "kg/m": "lb/ft",
     "kg/m^3": "lb/ft^3",
+    "N*m^2": "lbf*in^2",
+    "N*m": "lbf*ft",
+    "kW": "hp",
+    "kg*m^2": "lb*ft^2",
 }
 
 _EXAMPLES = {

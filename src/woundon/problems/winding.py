@@ -14,10 +14,12 @@ from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import length, line_load, pure, tension, velocity
 from .air import Air, with_film
 from .assumptions import of_winding
+from .bending import Bending, DrumBending, faults_of_bending
 from .bodies import AnyBody, Body, Rigid
 from .consistency import different_moduli
 from .contact_problem import unused_speed
 from .fields import Nested, Number, OptionalNested, OptionalNumber, default
+from .inertia import Inertia
 from .limits import Limits
 from .materials import Material, material
 from .messages import not_one_of, quote
@@ -39,9 +41,11 @@ from .problem import OF_FINISHED_ROLL, Problem, only_in
 from .radial_laws import Pfeiffer
 from .roll import Core, GaugeExcess, RollProblem
 from .schedules import (
+    AnySchedule,
     Curve,
     OptionalWindingSchedule,
     Profile,
+    Steps,
     Taper,
     WindingSchedule,
     as_schedule,
@@ -60,7 +64,7 @@ if TYPE_CHECKING:
     from .fields import CoercedField
     from .grades import Grade
 
-__all__ = ["WindingProblem"]
+__all__ = ["SCHEDULES", "WindingProblem", "schedule_limits"]
 
 Array = np.ndarray
 LAWS = ("nip", "friction", "fixed")
@@ -86,6 +90,16 @@ OF_NIP_ALONE = ("web.material", "roll_wrap", "roll_body")
 ROUNDED = 1e-9  # by which a radius may lie outside of the roll
 HELD = 0.8  # largest part of the arc from the last nip to the rear drum that is the roll wrap
 CHECKED_RADII = 257  # radii, in addition to all kinks, at which a steady state must exist
+
+
+def schedule_limits(name: str, *, has_winder: bool) -> tuple[float, float]:
+    """Return the smallest and the largest permitted value of a schedule, SI units.
+
+    >>> schedule_limits("torque_split", has_winder=False)
+    (0.0, 1.0)
+    """
+    limits = SCHEDULES | WITH_WINDER if has_winder else SCHEDULES
+    return limits[name]
 
 
 def _law(value: Any, info: ValidationInfo) -> Any:
@@ -122,10 +136,10 @@ class WindingProblem(Problem):
         R of the finished roll [m].
     roll_friction, drum_friction, roll_wrap, drum_wrap, wrap_friction
         As of :class:`~woundon.NipProblem`.
-    web_tension, nip_load, winding_force : float, Taper or Profile
+    web_tension, nip_load, winding_force : float, Taper, Steps or Profile
         T_in, P and F over the radius [N/m]; F = 0: centre winding.  With a ``winder`` P and F
         follow from it and the torque split.
-    torque_split : float, Taper or Profile, optional
+    torque_split : float, Taper, Steps or Profile, optional
         Fraction of the web tension carried by the drum, F = -torque_split T_in, instead of F: 0 is
         centre winding, 1 surface winding.  Of a two-drum winder, that of the rear drum.
     winder : TwoDrums, optional
@@ -138,7 +152,7 @@ class WindingProblem(Problem):
         Model of the wound-on tension.  "nip": the solved wrapped nip.  "friction":
         T_in + F + roll_friction P, full slip in the nip.  "fixed": T_in +
         nip_induced_tension.  A Profile is the wound-on tension itself [N/m].
-    nip_induced_tension : float, Taper or Profile, optional
+    nip_induced_tension : float, Taper, Steps or Profile, optional
         WOT - T_in [N/m], with tension_law "fixed" only.
     caliper_pressure : float, optional
         Pressure under which the web thickness was measured [Pa], as of
@@ -153,16 +167,26 @@ class WindingProblem(Problem):
         Thickness across the width, instead of ``gauge_excess``: the result then has ``lanes``.
     oscillation : float
         Amplitude by which the web moves to and fro across the roll [m]: the profile is averaged.
+    drum_bending : DrumBending, optional
+        Bending and crown of the drum across the width; with a thickness profile, which may be even,
+        and tension_law "nip".  By default the drum is straight.
+    core_bending : Bending, optional
+        Bending of the core, with the roll on it, under the nip load; as ``drum_bending``, without a
+        winder.
     web_speed : float, optional
-        V [m/s], needed with air or a viscoelastic drum.  With the density the web carries its
-        centrifugal force m V^2 in nips and roll; the finished roll is at rest.
+        V [m/s], needed with air or a viscoelastic drum, and for torque and power of the drives.
+        With the density the web carries its centrifugal force m V^2 in nips and roll; the finished
+        roll is at rest.
     air : Air, optional
         Entrained air reduces the friction in the nip and softens the roll; with tension_law "nip".
     limits : Limits
         Limits to which the margins refer.
     width : float, optional
         Of the web [m]. With it, loads and tensions may be entered as totals, "3.6 kN"; they are
-        held per metre of width.
+        held per metre of width.  With width and ``web_speed`` the result contains torque and power
+        of the drives, see :class:`~woundon.winding.drives.Drive`.
+    inertia : Inertia
+        Moments of inertia of core and drums, for the torque of their drives.
 
     Raises
     ------
@@ -259,6 +283,16 @@ class WindingProblem(Problem):
         Field(description="thickness of the web across its width"),
     ] = default(None)
     oscillation: Oscillation = default(0.0)
+    drum_bending: Annotated[
+        OptionalNested[DrumBending],
+        Field(description="bending and crown of the drum"),
+        Conditional("only with thickness_profile"),
+    ] = default(None)
+    core_bending: Annotated[
+        OptionalNested[Bending],
+        Field(description="bending of the core with the roll"),
+        Conditional("only with thickness_profile"),
+    ] = default(None)
     limits: Annotated[Nested[Limits], Field(description="limits of web, roll and core")] = default(
         Limits()
     )
@@ -271,6 +305,9 @@ class WindingProblem(Problem):
     ] = default(None)
     air: Annotated[OptionalNested[Air], Field(description="entrained air")] = default(None)
     width: Width = default(None)
+    inertia: Annotated[
+        Nested[Inertia], Field(description="moments of inertia of core and drums")
+    ] = default(Inertia())
 
     @model_validator(mode="after")
     def _check_winding(self) -> Self:
@@ -284,6 +321,7 @@ class WindingProblem(Problem):
         faults = [fault for name in SCHEDULES for fault in self._faults_of(name)]
         faults += self._contradictions()
         faults += faults_across(self, self.width)
+        faults += faults_of_bending(self)
         if self.winder is not None:
             faults += self._contradictions_of_winder(self.winder)
         if faults:
@@ -380,7 +418,8 @@ class WindingProblem(Problem):
             *self.stack.input_warnings("stack"),
             *warnings_across(self, self.web.thickness),
         ]
-        if self.web_speed is not None and not self._speed_has_effect:
+        has_effect = self._speed_has_effect or self.width is not None  # powers of the drives
+        if self.web_speed is not None and not has_effect:
             texts.append(unused_speed("web_speed", self.web_speed))
         return tuple(texts)
 
@@ -392,9 +431,7 @@ class WindingProblem(Problem):
         schedule = field_or_none(self, name)
         if schedule is None or isinstance(schedule, str):
             return
-        low, high = SCHEDULES[name]
-        if self.winder is not None:
-            low, high = WITH_WINDER.get(name, (low, high))
+        low, high = schedule_limits(name, has_winder=self.winder is not None)
         quantity = field_quantity(self, name)
         unit = "" if quantity is None else in_brackets(quantity.unit)
         must = f"must be >= {low:g} and <= {high:g}{unit}"
@@ -403,15 +440,15 @@ class WindingProblem(Problem):
             for part, value in values_of(schedule).items()
             if not low <= value <= high
         ]
-        if isinstance(schedule, Profile):
-            wrong += uncovered_ends(name, schedule, *self.ends)
+        wrong += uncovered_ends(name, schedule, *self.ends)
         yield from wrong
         if isinstance(schedule, Taper) and not wrong:
             value = float(self.curve(name).at(np.array(self.radius)))
             if not low <= value <= high:
                 at = f"at the radius {self.radius:.6g} [m]"
-                text = f"{quote(schedule.taper)} is out of range; leaves {quote(value)}{unit} {at}"
-                yield f"{name}.taper", f"{text}, {must}"
+                given = quote(getattr(schedule, schedule.field_of_law))
+                text = f"{given} is out of range; leaves {quote(value)}{unit} {at}"
+                yield f"{name}.{schedule.field_of_law}", f"{text}, {must}"
 
     def _check_steady_state(self) -> None:
         """Reject a winding force that the friction of nip and drum wrap cannot transmit."""
@@ -581,7 +618,7 @@ class WindingProblem(Problem):
         sharpness: dict[float, float] = {}
         for name in SCHEDULES:
             schedule = field_or_none(self, name)
-            if isinstance(schedule, Profile):
+            if isinstance(schedule, Profile | Steps):
                 curve = self.curve(name)
                 sharp = np.nan_to_num(curve.bends, nan=0.0, posinf=1e9)
                 # of the winder's inputs, which may be zero, relative to what they change
@@ -643,9 +680,7 @@ class WindingProblem(Problem):
         last_arc = min(self.roll_wrap, HELD * to_rear_drum)
         return {"next_nips": nips, "roll_wrap": sum(nip.angle for nip in nips) + last_arc}
 
-    def wound_roll(
-        self, wound_on_tension: float | Taper | Profile, film: float = 0.0
-    ) -> RollProblem:
+    def wound_roll(self, wound_on_tension: AnySchedule, film: float = 0.0) -> RollProblem:
         """Return the roll for a wound-on tension [N/m] and an air film [m] between its layers."""
         roll = RollProblem(
             core=self.core,
@@ -673,7 +708,17 @@ class WindingProblem(Problem):
             *(() if solves_nips else OF_NIP if self.winder is None else OF_NIP_ALONE),
             *(("oscillation",) if self.thickness_profile is None else ()),
             *(() if solves_nips or self.winder is not None else ("drum",)),
+            *self._unused_inertia,
         )
+
+    @property
+    def _unused_inertia(self) -> tuple[str, ...]:
+        """Moments of inertia on which no drive depends in this case."""
+        if self.width is None or not self.web_speed:
+            return ("inertia",)
+        if self.winder is None:
+            return "inertia.front_drum", "inertia.rider"
+        return () if self.winder.rider is not None else ("inertia.rider",)
 
     @property
     def assumptions(self) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ from ..problems.description import Description
 from ..problems.fields import FLAGS
 from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
-from ..problems.schedules import Profile, Taper
+from ..problems.schedules import Profile, Steps, Taper
 from ..quantities import Quantity, in_chosen_units
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 
@@ -313,7 +313,7 @@ def schedule_rows(problem: Problem, name: str, ends: Iterable[float]) -> list[Ro
     ends : (2,) iterable of float
         Values of the schedule at the core and at the surface [SI].
     """
-    if not isinstance(get_field(problem, name), Taper | Profile):
+    if not isinstance(get_field(problem, name), Taper | Steps | Profile):
         return [field_row(problem, name)]
     quantity = quantity_of_field(problem, name)
     return [

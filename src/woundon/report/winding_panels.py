@@ -12,6 +12,7 @@ from ..roll.result import RollResult
 from ..winding.margins import Margin
 from ..winding.result import WindingResult
 from . import roll_panels
+from .drives_report import power_panel, torque_panel
 from .lane_panels import lane_panels
 from .panels import SERIES, Area, Axis, Curve, Mark, Panel, PanelMaker
 from .report_parts import quantity_of
@@ -51,6 +52,7 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
     - those of the lanes across the width, with a thickness profile (:mod:`.lane_panels`)
     - winder: roll, drums and rider of a two-drum winder to scale
     - between: tensions of the web between its nips
+    - torque, power: of the drives of core and drums, with a width and a speed (if asked for)
     """
     of_roll = roll_panels.roll_panels(result.roll)
     panels = {
@@ -66,6 +68,9 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
         "film": PanelMaker(film, by_default=False, slow=True),
         **lane_panels(result),
     }
+    if result.drum_drive is not None or result.core_drive is not None:
+        panels["torque"] = PanelMaker(torque_panel, by_default=False)
+        panels["power"] = PanelMaker(power_panel, by_default=False)
     if result.problem.winder is not None:
         panels["winder"] = PanelMaker(winder_panel)
     if result.front is not None:

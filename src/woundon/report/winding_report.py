@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from ..problems.paths import field_or_none
 from ..winding.margins import TITLES
 from ..winding.result import WindingResult
+from .drives_report import DRIVE_OUTPUTS, drive_parts
 from .lanes_report import WORST_LANE, lanes_sections
 from .margins_report import margins_part
 from .outputs_report import rows_of
@@ -67,7 +68,9 @@ LEFT_OUT = frozenset(
         ),
         *(f"margins.{name}" for name in TITLES),
         "lane_count",
+        "even_crown",
         *WORST_LANE,
+        *DRIVE_OUTPUTS,
     }
 )
 LAWS = {
@@ -112,6 +115,7 @@ def winding_report(result: WindingResult) -> list[Part]:
             ),
         ),
         *winder_parts(result),
+        *drive_parts(result),
         Section("Tension", tuple(output_row(result, name) for name in means + errors), text),
         winding_trade_rule(result),
         Section(

@@ -17,7 +17,7 @@ from ..errors import InvalidProblem, NotConverged
 from ..problems.messages import quote
 from ..problems.permitted import is_within
 from ..problems.roll import FEWEST_LAYERS, RollProblem
-from ..problems.schedules import Profile, Taper
+from ..problems.schedules import AnySchedule, Steps, Taper
 from .equations import (
     StageData,
     StageEquations,
@@ -255,13 +255,16 @@ def _solve_stages(
     return list(zip(nodes, solved.parts(gaps), strict=True))
 
 
-def _schedule_until(problem: RollProblem, surface: float) -> float | Profile | Taper:
+def _schedule_until(problem: RollProblem, surface: float) -> AnySchedule:
     """Return the wound-on tension of a roll that ends at the radius ``surface`` [m].
 
     A linear taper refers to the radius R of the finished roll.  The same tension up to the radius s
-    has this taper times (s - r_c)/(R - r_c).  Other schedules do not depend on R.
+    has this taper times (s - r_c)/(R - r_c).  Other schedules do not depend on R; steps may begin
+    beyond s.
     """
     schedule, core = problem.wound_on_tension, problem.core.radius
+    if isinstance(schedule, Steps):
+        return schedule.profile(core, problem.radius)
     if not isinstance(schedule, Taper) or schedule.law != "linear":
         return schedule
     fraction = (surface - core) / (problem.radius - core)

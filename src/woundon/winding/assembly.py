@@ -8,11 +8,14 @@ from typing import Any
 import numpy as np
 
 from ..errors import RESOLUTION
-from ..problems.winding import LOADS, WindingProblem
+from ..problems.paths import field_or_none
+from ..problems.schedules import Steps
+from ..problems.winding import LOADS, SCHEDULES, WindingProblem
 from ..results import Residuals
 from ..roll.solve import ThinLayerRoll
 from ..roll.validity import yield_warnings
 from .bodies import tension_on_roll
+from .drives import drive_radii, drives_of
 from .drum_nips import drum_nips
 from .nips import Nips
 from .result import WindingResult
@@ -62,6 +65,8 @@ def assemble_result(
     samples = nips.from_core_to_surface()
     results = [sample.result for sample in samples]
     wound = roll.with_finite_layers()
+    of_drives = drive_radii(problem)
+    drives = drives_of(problem, of_drives, film)
     result = WindingResult(
         problem=problem,
         radius=r,
@@ -88,10 +93,14 @@ def assemble_result(
         nips_solved=nips.solved,
         front=drum_nips(results, 1),
         rider=drum_nips(results, 2),
+        drive_radius=of_drives,
+        core_drive=drives["core_drive"],
+        drum_drive=drives["drum_drive"],
+        front_drive=drives["front_drive"],
         residuals=Residuals(),
         warnings=(
             *nips.warnings(),
-            *_unevenness_warning(interpolation[0], rtol, len(samples)),
+            *_unevenness_warning(problem, interpolation[0], rtol, len(samples)),
             *wound.warnings,
             *yield_warnings(wound.problem, problem.limits.yield_strain),
         ),
@@ -107,10 +116,17 @@ def assemble_result(
     return result.replace(errors=_errors(result, first_layers))
 
 
-def _unevenness_warning(interpolation: float, rtol: float, count: int) -> list[str]:
+def _unevenness_warning(
+    problem: WindingProblem, interpolation: float, rtol: float, count: int
+) -> list[str]:
     """Return a warning if the interpolation error between the nips exceeds 2 rtol."""
     if interpolation <= 2 * rtol:
         return []
+    if any(isinstance(field_or_none(problem, name), Steps) for name in SCHEDULES):
+        return [
+            f"{RESOLUTION}next to the steps of the schedules the interpolation error of the "
+            f"wound-on tension is up to {100 * interpolation:.2g} %"
+        ]
     return [
         f"{RESOLUTION}the schedules vary so much between the {count} nips that the interpolation "
         f"error of the wound-on tension is {100 * interpolation:.2g} %; smooth the schedules, or "

@@ -16,6 +16,7 @@ from ..results import ACCEPTED_RESIDUAL, Residuals, largest, positive
 from ..roll.result import RollResult
 from ..roll.stages import stages_at
 from .bodies import effective_cylinder, effective_pressure, hardening_roll, linear_cylinder
+from .drives import drive_radii, drives_of
 from .drum_nips import drum_nips
 from .measured import smoothed
 from .nips import PRESSURE_TOLERANCE, Nips
@@ -66,7 +67,8 @@ def certificate(result: Any) -> Residuals:
     tension_balance
         Residual of WOT = T_in + NIT, relative to the largest WOT.
     schedules
-        Differences of T_in, P and F from the schedules, each relative to its largest value.
+        Differences of T_in, P and F from the schedules, and of the torques and powers of the drives
+        from those that follow, each relative to its largest value.
     reach
         Relative difference of the end radii from core and roll radius; infinite unless radii
         increase and all arrays over the radius have the same length.
@@ -95,7 +97,7 @@ def certificate(result: Any) -> Residuals:
         air=_air_film_residual(result) * scale,
         tension_balance=largest(np.abs(WOT - result.web_tension - result.nip_induced_tension))
         / unit,
-        schedules=largest(schedules),
+        schedules=largest([*schedules, _drives_residual(result)]),
         reach=_reach(result),
     )
 
@@ -106,6 +108,25 @@ def _reach(result: Any) -> float:
     if not (np.diff(r) > 0).all() or any(getattr(result, name).shape != r.shape for name in LOADS):
         return np.inf
     return largest(np.abs(r[[0, -1]] / result.problem.ends - 1))
+
+
+def _drives_residual(result: Any) -> float:
+    """Return the largest difference of the drives from those of the problem, relative to each."""
+    r = drive_radii(result.problem)
+    if result.drive_radius.shape != r.shape:
+        return np.inf
+    differences = [largest(np.abs(result.drive_radius - r)) / result.problem.radius]
+    for name, expected in drives_of(result.problem, r, result.air_film).items():
+        drive = getattr(result, name)
+        if (drive is None) != (expected is None):
+            return np.inf
+        for field, values in vars(expected).items() if expected is not None else ():
+            given = getattr(drive, field)
+            if given.shape != values.shape:
+                return np.inf
+            unit = max(float(np.max(np.abs(values))), 1e-300)
+            differences.append(largest(np.abs(given - values)) / unit)
+    return largest(differences)
 
 
 def _positivity_residual(result: Any) -> float:

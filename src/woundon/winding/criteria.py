@@ -12,6 +12,7 @@ from ..problems.roll import Core
 __all__ = [
     "coil_set",
     "collapse_pressure",
+    "ring_inertia",
     "sliding_layers_buckling_stress",
     "torque_carried",
     "torque_share",
@@ -39,8 +40,20 @@ def torque_carried(
     density, acceleration : float
         Of the web [kg/m^3], [m/s^2].
     """
-    inertia = pi / 2 * density * (s**4 - np.asarray(r) ** 4)
-    return abs(tension) * s + inertia * acceleration / s
+    return abs(tension) * s + ring_inertia(r, s, density) * acceleration / s
+
+
+def ring_inertia(inner: float | Array, outer: float | Array, density: float) -> Array:
+    """Return the moment of inertia of a ring about its axis, per metre of width [kg m].
+
+    Parameters
+    ----------
+    inner, outer : float or (k,) array
+        Radii [m].
+    density : float
+        [kg/m^3].
+    """
+    return np.asarray(pi / 2 * density * (np.asarray(outer) ** 4 - np.asarray(inner) ** 4))
 
 
 def torque_share(r: Array, P: Array, friction: float | Array, torque: Array) -> Array:

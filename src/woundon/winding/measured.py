@@ -23,7 +23,7 @@ from math import isnan
 import numpy as np
 
 from ..problems.paths import field_or_none
-from ..problems.schedules import Profile
+from ..problems.schedules import Profile, Steps
 from ..problems.winding import LOADS, WindingProblem
 from ..roll.result import RollResult
 from .bodies import PEAK_COEFFICIENT, NipSample, tension_on_roll
@@ -52,16 +52,21 @@ def smoothed(problem: WindingProblem, rtol: float) -> WindingProblem | None:
     """Replace fluctuating schedules of a winding by smooth ones; return None if there are none.
 
     A table fluctuates if a polynomial differs from it by more than ``rtol`` of its largest value.
+    Steps always do: behind a step the tension of the nips approaches that of the next value within
+    some half-widths, so that each step would need about ten nips.
     """
     has_many_kinks = len(sharp_kinks(problem)) >= MAX_PIECES
     r = np.linspace(*problem.ends, FIT_RADII)
     changes = {}
     for name in SCHEDULES:
-        table = field_or_none(problem, name)
-        if not isinstance(table, Profile):
+        schedule = field_or_none(problem, name)
+        if isinstance(schedule, Steps):
+            table, may_fluctuate = schedule.profile(*problem.ends), True
+        elif isinstance(schedule, Profile):
+            table, has_many_values = schedule, len(schedule.radius) > MAX_SMOOTH_VALUES
+            may_fluctuate = has_many_kinks if table.between == "lines" else has_many_values
+        else:
             continue
-        has_many_values = len(table.radius) > MAX_SMOOTH_VALUES
-        may_fluctuate = has_many_kinks if table.between == "lines" else has_many_values
         if not may_fluctuate:
             continue
         values = table.at(r)

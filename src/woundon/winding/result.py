@@ -16,6 +16,7 @@ from ..roll.lane_roll import LANES, LaneRoll, WithLanes
 from ..roll.result import RollResult
 from .bodies import NipSample
 from .certificate import certificate, recomputed_nips
+from .drives import DRIVES, Drive
 from .drum_nips import DrumNips
 from .margins import WithMargins
 from .roll import recompute_roll
@@ -60,6 +61,11 @@ class WindingResult(WithMargins, WithLanes, Result):
     front, rider : DrumNips or None
         Nips of the front drum and of the rider of a two-drum winder, at the radii of the solved
         nips; None without a winder, a rider or nips.
+    drive_radius : (K,) array
+        Radii at which the drives are computed [m]; empty without ``width`` and ``web_speed``.
+    core_drive, drum_drive, front_drive : Drive or None
+        Torque and power of the drives of core, winding (rear) drum and front drum; None without
+        this drive, or without ``width`` and ``web_speed``.
     nodes, nips_solved : int
         Number of nodes of each nip; number of nips solved in all iterations.
     roll_rtol, coupling_rtol : float
@@ -117,6 +123,9 @@ class WindingResult(WithMargins, WithLanes, Result):
             ),
             "nip_radius",
         )
+        | dict.fromkeys(
+            (f"{drive}.{name.name}" for drive in DRIVES for name in fields(Drive)), "drive_radius"
+        )
     )
     ESTIMATES: ClassVar[frozenset[str]] = frozenset(
         {
@@ -169,6 +178,12 @@ class WindingResult(WithMargins, WithLanes, Result):
     ] = 0.0
     front: DrumNips | None = None
     rider: DrumNips | None = None
+    drive_radius: Annotated[Array, length("r_d", "radii at which the drives are computed")] = field(
+        default_factory=lambda: np.zeros(0)
+    )
+    core_drive: Drive | None = None
+    drum_drive: Drive | None = None
+    front_drive: Drive | None = None
     wound: RollResult | None = field(default=None, compare=False, metadata={"saved": False})
     nips: tuple[NipSample, ...] = field(default=(), compare=False, metadata={"saved": False})
     lane_count: Annotated[int, pure("L", "number of lanes across the width")] = 0
@@ -220,6 +235,23 @@ class WindingResult(WithMargins, WithLanes, Result):
     ) -> Annotated[float, line_load("WOT_3m", "part of WOT that the rider roll adds, mean")]:
         """Mean over the web's length of the tension that the rider adds [N/m]; else nan."""
         return self._mean_added(self.rider)
+
+    @property
+    def even_crown(
+        self,
+    ) -> Annotated[float, length("c_0", "crown for a uniform mean nip load of an even web", "um")]:
+        """Crown of the drum that makes the nip load of an even web uniform, at its mean [m].
+
+        The mean nip load is that over the web's length; see :meth:`.Bending.even_crown`.  nan
+        without ``drum_bending``.
+        """
+        problem, r = self.problem, self.radius
+        if problem.drum_bending is None or problem.thickness_profile is None:
+            return float("nan")
+        load = float(np.trapezoid(self.nip_load * r, r) / np.trapezoid(r, r))
+        beams = [problem.drum_bending, problem.core_bending]
+        width = problem.thickness_profile.width
+        return float(sum(beam.even_crown(load, width) for beam in beams if beam is not None))
 
     def _mean_added(self, drum: DrumNips | None) -> float:
         """Return the mean over the length of web of the tension that a nip adds [N/m]."""

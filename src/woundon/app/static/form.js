@@ -1,6 +1,6 @@
 // The form of a case, generated from the catalogue.
 import { at, fieldsOf, groupsOf, held, memberOf, started, startedMember } from "./cases.js";
-import { isSchedule, profileOf } from "./schedules.js";
+import { scheduleOf } from "./schedules.js";
 import { html, useEffect, useMemo } from "./html.js";
 import { Label, Symbol } from "./symbols.js";
 import { T } from "./texts.js";
@@ -185,7 +185,7 @@ function Member({ store, field, path, lone, holder }) {
     else if (to === NUMBER) store.change(path, numberOf(store, field, value));
     else if (to.startsWith("#")) store.change(path, to.slice(1));
     else if (to.startsWith("@")) store.change(path, to.slice(1));
-    else if (isSchedule(to)) store.change(path, profileOf(store, path, value));
+    else if (scheduleOf(to, store, value)) store.change(path, scheduleOf(to, store, value));
     else {
       const next = field.members.find((one) => one.form === to);
       const before = named ? catalogue.materials.find((one) => one.name === value)?.material : isNumber ? { start: value } : value;

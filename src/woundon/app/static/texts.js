@@ -21,7 +21,7 @@ export const T = {
     "leading_roll", "trailing_roll", "dual", "air.film", "air.friction_share"],
   groups: {
     operation: "Operation", friction: "Friction", wrap: "Wrap", web: "Web", roll: "Wound roll", drum: "Winding drum",
-    winder: "Two-drum winder", air: "Entrained air", core: "Core", stack: "Wound stack", upper: "Upper roller", lower: "Lower roller",
+    winder: "Two-drum winder", inertia: "Moments of inertia", air: "Entrained air", core: "Core", stack: "Wound stack", upper: "Upper roller", lower: "Lower roller",
   },
   bodies: { roll: "wound roll", drum: "winding drum", upper: "upper roller", lower: "lower roller" },
   kinds: {
@@ -32,8 +32,8 @@ export const T = {
     WoundRoll: "wound roll with pressure-dependent modulus", Layer: "Layer", Orthotropic: "orthotropic", Isotropic: "isotropic",
     Stack: "stack with pressure-dependent modulus", Pfeiffer: "Pfeiffer's law", PowerLaw: "power law", StackTest: "measured stack test",
     LossAngle: "viscoelastic, by loss angle", DynamicTest: "viscoelastic, dynamic test", RelaxationTest: "viscoelastic, relaxation test",
-    RelativeProny: "viscoelastic, relative terms", RelativeTerm: "relative term", PronyTerm: "viscoelastic term", TwoDrums: "front drum and rider", AirBetween: "air between the layers", Air: "entrained air",
-    Constant: "constant", Polynomial: "polynomial", Profile: "points over the radius", Taper: "taper",
+    RelativeProny: "viscoelastic, relative terms", RelativeTerm: "relative term", PronyTerm: "viscoelastic term", TwoDrums: "front drum and rider", Inertia: "moments of inertia", AirBetween: "air between the layers", Air: "entrained air",
+    Constant: "constant", Polynomial: "polynomial", Profile: "points over the radius", Taper: "taper", Steps: "steps",
   },
   fields: { material: "material", radial: "hardening law", core: "core", layers: "layers", kind: "kind", law: "law", hardening: "hardening model" },
   header: {
@@ -111,9 +111,9 @@ export const T = {
     rms: (size, n) => `RMS difference between fitted and measured values ${size}, ${n} values.`,
   },
   window: {
-    title: "Operating window", about: "The probability that the roll keeps all its limits, over the set points at the core. Schedules become constant values when a point is used.",
+    title: "Operating window", about: "The probability that the roll keeps all its limits, over two or three set points; of a schedule its value at the core. Schedules become constant values when a point is used.",
     probability: "Probability that all margins hold", spreads: "Spread of the inputs: as of the grade", run: "Compute", take: "Use this point",
-    split: "also over the torque split", mainly: (name) => `uncertain mainly by ${name}`,
+    axes: ["Horizontal axis", "Vertical axis", "Also over"], mainly: (name) => `uncertain mainly by ${name}`,
     onlyWindings: "An operating window needs a winding: choose the kind Winding.",
     atCore: (label) => `${label}, at the core`, progress: (done, of) => (of ? `${done} of about ${of} windings` : ""),
     best: (probability, point) => `Highest probability ${probability} at ${point}`, binding: (name) => `binding margin: ${name}`, none: "no steady state",
