@@ -84,15 +84,18 @@ def finite_layer_effects(result: Any) -> dict[str, float]:
     # the smooth curve, and the inner and the outer faces
     hoop = result.hoop_stress + hoop_change, *_hoop_stress_at_faces(result, change, hoop_change)
     least, bore = result.least_hoop_stress, result.bore_hoop_stress
+    at_bore = np.array([float(curve[0]) - bore for curve in hoop])
+    # of exponential and of algebraic decay
+    bore_factor = max(factor, float(np.max(_higher_order_factor(at_bore, np.array(abs(bore))))))
     effects = {
         "peak_pressure": float(np.max(size)),
         "core_pressure": float(size[0]),
         "mid_pressure": float(max(*np.interp(middle, r, size), *size[near_middle])),
         "least_hoop_stress": max(
-            abs(float(np.min(curve)) - least) * (1.0 if np.argmin(curve) else factor)
+            abs(float(np.min(curve)) - least) * (1.0 if np.argmin(curve) else bore_factor)
             for curve in hoop
         ),
-        "bore_hoop_stress": max(abs(float(curve[0]) - bore) for curve in hoop) * factor,
+        "bore_hoop_stress": float(np.max(np.abs(at_bore))) * bore_factor,
     }
     return with_bore_displacement(result.problem, effects)
 
