@@ -103,8 +103,8 @@ def _across(problem: Any, uniform: str) -> str:
 def of_roll(problem: Any) -> tuple[str, ...]:
     """Return the assumptions of a wound roll."""
     axisymmetric = "The roll is axisymmetric, its layers in static equilibrium and elastic."
-    change = "Temperature and shrinkage change the finished roll at once, without creep."
-    changes = problem.temperature_change or problem.core_shrinkage
+    change = "Temperature, moisture and shrinkage change the finished roll at once, without creep."
+    changes = problem.temperature_change or problem.moisture_change or problem.core_shrinkage
     released = (
         "The core is removed at once; layers that are relieved follow the law of the stack back: "
         "its hysteresis, by which the pressure would fall faster, is neglected."

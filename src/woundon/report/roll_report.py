@@ -66,7 +66,7 @@ NAMES = [
 ]
 OF_DENSITY = frozenset({"mass", "wound_mass", "mean_density"})
 # changes of the finished roll that are not zero
-CHANGES = ("temperature_change", "core_shrinkage")
+CHANGES = ("temperature_change", "moisture_change")
 
 
 def roll_report(result: RollResult) -> list[Part]:
@@ -77,7 +77,13 @@ def roll_report(result: RollResult) -> list[Part]:
     names = [name for name in NAMES if problem.density is not None or name not in OF_DENSITY]
     # a stress at core and surface, as a tension per width
     tensions = problem.tension_curve.at(r[[0, -1]]) * problem.web_thickness
-    changes = rows_of_given(problem, *CHANGES)
+    changes = [
+        row
+        for name, strain_by in zip(CHANGES, problem.free_strains, strict=True)
+        if getattr(problem, name)
+        for row in schedule_rows(problem, name, strain_by.change.at(r[[0, -1]]))
+    ]
+    changes += rows_of_given(problem, "core_shrinkage")
     notes = {
         "peak_pressure": _location(r[np.argmax(result.pressure)]),
         "least_hoop_stress": _location(r[np.argmin(hoop)]),

@@ -57,6 +57,7 @@ LEFT_OUT = frozenset(
         "least_tension",
         "least_reserve",
         "band_strain",
+        "face_strain",
         "ridge_height",
         "drum_friction_used",
         "mean_front_added_tension",

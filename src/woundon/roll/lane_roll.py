@@ -15,7 +15,7 @@ from ..problems.thickness_profile import Lanes
 from ..quantities import Quantity, length, line_load, on_request, share, strain, stress
 from .build_up import BuildUp, NotWoundError
 from .equations import StageData, StageSolution, stretched
-from .finished import ROUNDING, add_constant, equations_of, final_changes, surface_layer_depth
+from .finished import ROUNDING, FinalChanges, equations_of, surface_layer_depth
 from .lane_tension import tension_of_web
 from .lanes import LOAD, RHO, THETA, WEB, LaneBuildUp, TensionAt, wind_lanes
 from .separation import solve_on_core
@@ -463,11 +463,11 @@ def _shared(functions: Array, weight: Array) -> Array:
 def _finished(problem: Any, wound: LaneBuildUp, lanes: Lanes) -> tuple[Array, Array]:
     """Return P and Q of the lanes after the changes of the finished roll, (L, M) arrays [Pa]."""
     assert wound.data is not None
-    source_change, core_change = final_changes(problem)
+    changes = FinalChanges(problem)
     data = replace(
         wound.data,
-        source=add_constant(wound.data.source, source_change),
-        tension=wound.data.tension + core_change,
+        source=changes.added_to(wound.data.source, wound.data.x),
+        tension=wound.data.tension + changes.core,
     )
     found = solve_on_core(
         equations_of(problem), data, wound.P.ravel(), wound.Q.ravel(), problem.core_removed
@@ -477,7 +477,7 @@ def _finished(problem: Any, wound: LaneBuildUp, lanes: Lanes) -> tuple[Array, Ar
     solved, _ = found
     P, Q = solved.P.reshape(wound.P.shape), solved.Q.reshape(wound.P.shape)
     loosest = np.unravel_index(np.argmin(P), P.shape)
-    changed = source_change or core_change or problem.core_removed
+    changed = bool(changes) or problem.core_removed
     if changed and P[loosest] < -ROUNDING * float(np.max(P)):
         place = f"the lane at {lanes.position[loosest[0]]:.4g} m across the web"
         raise NotConverged(

@@ -17,7 +17,7 @@ from ..results import Residuals, Result
 from .certificate import certificate
 from .collapse import collapse_loads
 from .density import density_during_winding, finished_density, volume, wound_length
-from .finished import core_gap, final_changes
+from .finished import FinalChanges, core_gap
 from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .growth import Growth
 from .lane_roll import LANES, LaneRoll, WithLanes, build_up_of, solve_lanes
@@ -157,7 +157,7 @@ class RollResult(WithLanes, Result):
     @property
     def is_changed(self) -> bool:
         """True if the finished roll differs from the roll as wound."""
-        return self.problem.core_removed or any(final_changes(self.problem))
+        return self.problem.core_removed or bool(FinalChanges(self.problem))
 
     @cached_property
     def as_wound(self) -> Stage:
@@ -324,6 +324,13 @@ class RollResult(WithLanes, Result):
         if density is None:
             return float("nan")
         return self.length * float(self.problem.web_thickness) * float(density)
+
+    @property
+    def bending_strain(
+        self,
+    ) -> Annotated[Array, strain("eps_b", "bending strain at the faces of the layers")]:
+        """h/2r, the strain at the faces of a straight web that is bent to the radius r [1]."""
+        return np.asarray(self.problem.web_thickness / (2 * self.radius))
 
     @property
     def weight_pressure(
