@@ -133,7 +133,7 @@ def drives_of(problem: WindingProblem, r: Array, film: float) -> dict[str, Drive
     drums = _drums(problem, r)
     winder, rider = problem.winder, 0.0
     if winder is None:
-        core = web_moment + drums["drum_drive"].force * r * width
+        core = web_moment + problem.at("winding_force", r) * r * width
     else:
         core = problem.at("winder.core_torque", r) * width
         if winder.rider is not None:  # which the roll accelerates
@@ -180,6 +180,8 @@ class _Drum(NamedTuple):
 
 def _drums(problem: WindingProblem, r: Array) -> dict[str, _Drum]:
     """Return the driven drums at radii of the roll (K,) [m], by the name of the output."""
+    if not problem.has_nip:
+        return {}
     inertia = problem.inertia
     rear_force = problem.at("winding_force", r)
     rear_share = np.ones_like(r)
@@ -189,7 +191,7 @@ def _drums(problem: WindingProblem, r: Array) -> dict[str, _Drum]:
         front_force = problem.drum_loads(r).front_force
         radius = problem.winder.front_drum.radius
         drums["front_drive"] = _Drum(radius, inertia.front_drum, front_force, 1 - rear_share)
-    drums["drum_drive"] = _Drum(problem.drum.radius, inertia.drum, rear_force, rear_share)
+    drums["drum_drive"] = _Drum(problem.drum_radius, inertia.drum, rear_force, rear_share)
     return drums
 
 

@@ -135,7 +135,7 @@ class _Nips:
     def __init__(self, result: Any, roll: RollResult) -> None:
         self.result, self.problem, self.roll = result, result.problem, roll
         self.core = float(self.problem.core.radius)
-        solves_nip = self.problem.tension_law == "nip" and self.problem.winder is None
+        solves_nip = self.problem.solves_nips and self.problem.winder is None
         self.samples = self._samples() if solves_nip else None
 
     def web_tension(self, r: Array) -> Array:
