@@ -165,7 +165,7 @@ def test_a_case_file_gives_the_winder_back(changes: dict[str, Any]) -> None:
 
 
 def test_the_cases_of_the_guides_are_valid() -> None:
-    """Documentation: the case of the how-to, with its two rider loads and its drives, and the theory's example."""
+    """Documentation: case of the how-to with its rider loads and drives, example of the theory."""
     guide = (ROOT / "docs/howto/two_drum_winder.md").read_text(encoding="utf-8")
     case, rider, driven = map(tomllib.loads, re.findall(r"```toml\n(.*?)```", guide, re.DOTALL))
     problem = make_problem(case)
