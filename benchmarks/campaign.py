@@ -19,9 +19,9 @@ With ``--errors`` each solved case is solved again with 513 nodes (129 with hard
 every output that has an error estimate is compared with that solution.  Wrapped nips of linear
 bodies are compared with extrapolated solutions on another family of meshes (reference_mesh.py).
 
-The table (out/campaign_KIND.csv, errors_KIND.csv or rtol_KIND.csv) has a row a case and is written
-part by part: a run that is interrupted continues.  The seed determines the case.  Times are
-processor times in units of one dense solve of 398 x 398 in the same process.
+The table (out/campaign_KIND.csv, errors_KIND.csv, rtol_KIND.csv or rtol_errors_KIND.csv) has a row
+a case and is written part by part: a run that is interrupted continues.  The seed determines the
+case.  Times are processor times in units of one dense solve of 398 x 398 in the same process.
 """
 
 from __future__ import annotations
@@ -286,9 +286,8 @@ def main() -> int:
     )
     options.add_argument("--cases", type=int, default=100, help="of each kind")
     options.add_argument("--first", type=int, default=0, help="first seed")
-    what = options.add_mutually_exclusive_group()
-    what.add_argument("--errors", action="store_true", help="compare with a fine mesh")
-    what.add_argument("--rtol", type=float, help="tolerance in place of the default")
+    options.add_argument("--errors", action="store_true", help="compare with a fine mesh")
+    options.add_argument("--rtol", type=float, help="tolerance in place of the default")
     options.add_argument("--workers", type=int, default=1, help="processes")
     options.add_argument("--folder", type=Path, default=Path("out"), help="folder of the tables")
     given = options.parse_args()
@@ -297,7 +296,8 @@ def main() -> int:
 
 
 def _run(of: str, given: argparse.Namespace) -> int:
-    name = "errors" if given.errors else "rtol" if given.rtol else "campaign"
+    asked = {"rtol": given.rtol, "errors": given.errors}
+    name = "_".join(name for name, value in asked.items() if value) or "campaign"
     path = given.folder / f"{name}_{of}.csv"
     work = partial(solved, of=of, errors=given.errors, rtol=given.rtol)
     seeds = range(given.first, given.first + given.cases)

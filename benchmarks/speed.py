@@ -22,6 +22,10 @@ revision than 0.2 uses the packages of this environment.
     winding               the example of a winding, with other loads
     example_winding       the example of a winding
     scheduled_winding     newsprint of 45 g/m2, 1.25 m on 3 in, taper 20 %, a table of nip loads
+    roll                  the example of a roll, with other tensions
+    lanes_of_roll         the same with 50 lanes across the width, for a band of 0.8 %; at most 15
+                          times roll is requested
+    lanes_of_winding      winding with the same lanes; at most 30 times winding is requested
     two_drum_winding      newsprint on two drums, with --alone; one_drum_winding has the same loads
                           and forces of its rear drum alone
     loose                 the README's nip with rtol = 1e-2, to be compared with readme
@@ -68,6 +72,9 @@ ROOT = HERE.parents[1]
 SLOW = {
     "hardening": 10,
     "winding": 5,
+    "roll": 20,
+    "lanes_of_roll": 20,
+    "lanes_of_winding": 3,
     "example_winding": 3,
     "scheduled_winding": 3,
     "one_drum_winding": 1,
@@ -141,18 +148,28 @@ def draw(name: str, seed: int) -> Problems:
     if name in FAMILIES:
         return [FAMILIES[name](seed)]
     change = np.random.default_rng(seed).uniform(-1, 1)
-    if not name.endswith(("winding", "window")):
+    if not name.endswith(("winding", "window", "roll")):
         nip = wo.NipProblem.example()
         return [nip.replace(**{"roll.radius": nip.roll.radius * (1 + 0.001 * change)})]
     if name.startswith("scheduled"):
         return [scheduled_winding()]
+    lanes = {"thickness_profile": band()} if name.startswith("lanes") else {}
+    if name.endswith("roll"):
+        tension = 350 * (1 + 0.05 * change)
+        return [wo.RollProblem.example().replace(wound_on_tension=tension, **lanes)]
     if name == "two_drum_winding":
         return [two_drum_winding()]
     if name == "one_drum_winding":
         return [on_rear_drum(two_drum_winding())]
     problem = wo.WindingProblem.example()
-    factor = 1 + 0.05 * change if name == "winding" else 1.0
-    return [problem.replace(nip_load=factor * problem.nip_load)]
+    factor = 1 + 0.05 * change if name in ("winding", "lanes_of_winding") else 1.0
+    return [problem.replace(nip_load=factor * problem.nip_load, **lanes)]
+
+
+def band() -> wo.ThicknessProfile:
+    """Return the thickness of a web of 2 m with a band of 0.8 %, 0.2 m wide."""
+    y = np.linspace(0.0, 2.0, 201)
+    return wo.ThicknessProfile(position=y, thickness=1 + 0.008 * (np.abs(y - 1.2) < 0.1))
 
 
 def scheduled_winding() -> wo.WindingProblem:
@@ -278,8 +295,9 @@ METHODS: dict[str, Callable[[Problems], Callable[[], object]]] = {
 }
 WORK = [
     *FAMILIES, "readme", "neighbours", "sensitivities", "nip_and_derivatives", "winding",
-    "example_winding", "scheduled_winding", "one_drum_winding", "two_drum_winding", "loose",
-    "sweep", "two_processes", "replace", "fit", "find", "window", "scheduled_window", "command",
+    "example_winding", "scheduled_winding", "one_drum_winding", "two_drum_winding", "roll",
+    "lanes_of_roll", "lanes_of_winding", "loose", "sweep", "two_processes", "replace", "fit",
+    "find", "window", "scheduled_window", "command",
 ]  # fmt: skip
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from lane_rings import Nip
 
-from woundon.roll.lane_tension import Lanes, tension_in_nip
+from woundon.roll.lane_tension import Lanes, tension_in_nips
 
 Array = np.ndarray
 
@@ -63,16 +63,19 @@ class PowerNip:
     def web_tension(self, r: Array) -> Array:
         return np.full(r.shape, self.web)
 
-    def nip_load(self, r: Array) -> Array:
-        return np.full(r.shape, self.load)
+    def nip_loads(self, r: Array) -> Array:
+        return np.full((1, r.size), self.load)
+
+    def deflections(self, lanes: Lanes, loads: Array) -> dict[str, Array]:
+        return {}
 
     def tension_at(self, lanes: Lanes):
         strain = self.wound_on / self.thickness / self.modulus
 
         def tension(x, c, mu, guess):
             radius = float(np.exp(x))
-            return tension_in_nip(
-                lanes, c, mu, strain, self, radius, self.wound_on, self.web, guess
+            return tension_in_nips(
+                lanes, c, mu, strain, [self], radius, self.wound_on, self.web, guess
             )
 
         return tension

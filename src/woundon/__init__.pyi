@@ -22,6 +22,8 @@ from .nip.result import NipResult as NipResult
 from .nip.roller_result import RollerResult as RollerResult
 from .problems.air import Air as Air
 from .problems.air_law import AirBetween as AirBetween
+from .problems.bending import Bending as Bending
+from .problems.bending import DrumBending as DrumBending
 from .problems.bodies import Body as Body
 from .problems.bodies import Cylinder as Cylinder
 from .problems.bodies import HalfPlane as HalfPlane

@@ -232,7 +232,7 @@ def test_a_fit_is_cancelled_by_its_session(client, cases):
 
 # ---- operating windows ------------------------------------------------------------------------
 
-WINDOW = {"web_tension": [300, "400 N/m"], "nip_load": ["2 kN/m", 3000]}
+WINDOW = {"web_tension": [300, "400 N/m"], "vary": {"nip_load": ["2 kN/m", 3000]}}
 SPREADS = {"stack.radial.K2": 0.3, "roll_friction": 0.15}
 
 

@@ -497,6 +497,22 @@ def test_a_pressure_that_no_tension_leaves_is_reported(look):
     assert page.locator(".design .primary:enabled").count() == 0
 
 
+def test_a_roll_is_taken_off_its_core(look):
+    seen = look()
+    page = seen.page
+    page.click("#tab-winding")
+    seen.rest()
+    assert page.input_value("#f-core_removed") == "false"
+    page.select_option("#f-core_removed", "true")
+    seen.rest()
+    released = wo.solve(wo.RollProblem.example().replace(core_removed=True))
+    assert seen.output("bore_hoop_stress") == pytest.approx(released.bore_hoop_stress, rel=SAME)
+    assert seen.output("core_pressure") == 0
+    page.reload()  # the address holds the case
+    seen.rest()
+    assert page.input_value("#f-core_removed") == "true"
+
+
 @pytest.mark.slow
 def test_a_winding_tells_its_margins(look):
     seen = look()

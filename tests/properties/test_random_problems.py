@@ -113,8 +113,7 @@ ROLLS = (0, 1, 3, 4, 5, 8, 9)
 
 def test_random_rolls_are_certified_or_rejected() -> None:
     endings = [ending(lambda k=k: random_roll(1, k)) for k in ROLLS]
-    assert endings.count("solved") == 5
-    assert sum(text.startswith("NotConverged: the layers separate") for text in endings) == 1
+    assert endings.count("solved") == 6
     assert sum("beyond the range of the stack law" in text for text in endings) == 1
 
 

@@ -17,9 +17,11 @@ from scipy.stats import norm
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_files import to_toml
+from woundon.report.study_panels import window_panels
 from woundon.studies.window_cases import window_model, with_value
 from woundon.studies.window_map import (
     MarginMap,
+    SetPoints,
     expansion_of,
     fitted,
     from_reserve,
@@ -157,6 +159,22 @@ def test_schedules_keep_their_shape():
         np.testing.assert_allclose(after / after[0], before / before[0], rtol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("name", "ends", "middle"),
+    [
+        ("web_tension", (100.0, 400.0), 200.0),  # geometric mean
+        ("oscillation", (0.0, 0.4), 0.2),
+        ("winding_force", (-100.0, 300.0), 100.0),
+        ("torque_split", (0.2, 0.6), 0.4),
+    ],
+)
+def test_set_points_are_logarithmic_if_all_values_are_positive(name, ends, middle):
+    points = SetPoints((name, "nip_load"), np.array([ends, (1.0, 4.0)]))
+    values = points.values(np.array([[-1.0, -1.0], [0.0, 0.0], [1.0, 1.0]]))
+    np.testing.assert_allclose(values[:, 0], [ends[0], middle, ends[1]], rtol=1e-14)
+    np.testing.assert_allclose(points.coordinates(values)[:, 0], [-1, 0, 1], atol=1e-14)
+
+
 # ---- what is rejected ---------------------------------------------------------------------------
 
 
@@ -177,6 +195,37 @@ def test_invalid_arguments_are_named(changes, field):
     with pytest.raises(wo.InvalidProblem) as fault:
         wo.operating_window(winding(), **{**RANGES, **changes})
     assert field in [name for name, _ in fault.value.faults]
+
+
+T = (150.0, 450.0)
+
+
+@pytest.mark.parametrize(
+    ("ranges", "message"),
+    [
+        ({"web_tension": T}, "vary: web_tension given; must be the ranges of 2 or 3 fields"),
+        ({}, "vary: none given; must be"),
+        ({"web_tension": T, "vary": {"web_tension": T}}, "vary.web_tension: is given twice"),
+        ({"web_tension": T, "vary": ["nip_load"]}, r"vary: .*nip_load.*; must be a Mapping"),
+        ({"web_tension": T, "vary": {"oscillation": (0, 0.1)}}, "oscillation: has no effect"),
+        ({"web_tension": T, "vary": {"oscillation": (-0.1, 0.1)}}, r"oscillation: -0.1 .*>= 0"),
+        ({"web_tension": T, "vary": {"thickness_profile.variation": (1, 2)}}, "thickness_profile"),
+        ({"web_tension": T, "vary": {"web.width": (1, 2)}}, "web.width: .*no"),
+        ({"web_tension": T, "vary": {"web.material": (1, 2)}}, "web.material: .*not a number"),
+        ({"web_tension": (0.0, 450.0), "nip_load": T}, r"web_tension: 0 .*>= 1e-06 .*\[N/m\]"),
+        (
+            {"web_tension": T, "vary": {"roll_friction": (0.1, 0.3)}},
+            "uncertain.roll_friction: is a set point, which has no spread",
+        ),
+        (
+            {**RANGES, "vary": {"roll_friction": (0.1, 0.3), "density": (500, 900)}},
+            "vary: web_tension, nip_load, roll_friction and density given",
+        ),
+    ],
+)
+def test_set_points_that_are_rejected(ranges, message):
+    with pytest.raises(wo.InvalidProblem, match=message):
+        wo.operating_window(winding(), **ranges, uncertain={"roll_friction": 0.1})
 
 
 def test_spreads_are_required_without_a_grade():
@@ -329,6 +378,42 @@ def test_points_without_a_steady_state_are_not_mapped(tmp_path: Path):
     assert np.isnan(window.probability[slides]).all()
     assert np.isfinite(window.probability[~slides]).all()
     window.plot(tmp_path / "window.png")
+
+
+BOARD = wo.WindingProblem.example().replace(  # of 60 layers
+    stack=wo.Stack(radial=27e6, tangential=3.38e9, poissons_ratio=0.01, shear=10e6), radius=0.08,
+    tension_law="friction", limits=wo.Limits(blocking_pressure="200 kPa"),
+    **{"web.thickness": "500 um"},
+)  # fmt: skip
+
+
+@pytest.mark.slow
+def test_the_command_varies_any_field(tmp_path: Path, capsys):
+    case = tmp_path / "board.toml"
+    case.write_text(to_toml(BOARD), encoding="utf-8")
+    code = main([
+        "window", str(case), "--vary", "winding_force=-60:60", "--vary", "nip_load=1 kN/m:3 kN/m",
+        "--uncertain", "roll_friction=0.3", "--at", "0:2 kN/m", "--workers", "1",
+        "--samples", "128", "--csv", str(tmp_path / "w.csv"),
+    ])  # fmt: skip
+    text = capsys.readouterr().out
+    assert code == 0
+    assert "at winding_force 0 N/m, nip_load 2000 N/m" in text
+    header = (tmp_path / "w.csv").read_text("utf-8").splitlines()[0]
+    assert header.startswith("winding_force [N/m],nip_load [N/m],probability,binding,margins.")
+    assert main(["window", str(case), "--vary", "nip_load=1:2", "--at", "1:2"]) == 2
+
+
+@pytest.mark.slow
+def test_a_third_set_point_is_in_the_heading_of_the_figure():
+    window = wo.operating_window(
+        BOARD, (200.0, 400.0), (1e3, 3e3), vary={"core.stiffness": ("0.5 GPa", "2 GPa")},
+        uncertain={"roll_friction": 0.3}, samples=128, workers=1,
+    )  # fmt: skip
+    (panel,) = window_panels(window)
+    level = window.best.values["core.stiffness"]
+    assert panel.heading == f"stiffness of the core (core) {1e-6 * level:.3g} MPa"
+    assert window.probability.shape == (33, 33, 3)
 
 
 @pytest.mark.slow

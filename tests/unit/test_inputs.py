@@ -180,7 +180,8 @@ def test_a_speed_that_nothing_depends_on_is_reported():
         result = wo.solve(fast, nodes=17)
     assert "web_speed = 15.24 m/s is not used" in str(result)
     assert result.nip_induced_tension == wo.solve(NIP, nodes=17).nip_induced_tension
-    assert WINDING.replace(web_speed=10.0).input_warnings
+    assert not WINDING.replace(web_speed=10.0).input_warnings  # the centrifugal force
+    assert WINDING.replace(web_speed=10.0, density=None).input_warnings
     assert not NIP.input_warnings
     assert not wo.NipProblem.example().input_warnings
 

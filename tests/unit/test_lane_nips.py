@@ -13,7 +13,7 @@ NIP = NipAtRadius(
     approach=5e-5,
     log_approach=np.log(LOADS) / POWER,
     added_at_load=380.0,
-    added_change=np.array(LOADS) - 1.0,
+    added_change=np.array([0.0, *LOADS]) - 1.0,
     friction_force=380.0,
 )
 
@@ -38,7 +38,7 @@ def test_the_added_tension_is_linear_beyond_the_samples():
 def test_the_slopes_between_and_beyond_uneven_samples():
     """Central differences of 1e-6 of the argument: their error is about 1e-9 of the slope."""
     nip = NipAtRadius(
-        2000.0, 5e-5, np.array([-0.6, 0.0, 0.5]), 380.0, np.array([-0.45, 0, 0.8]), 380.0
+        2000.0, 5e-5, np.array([-0.6, 0.0, 0.5]), 380.0, np.array([-1, -0.45, 0, 0.8]), 380.0
     )
     for function, scale in ((nip.load_at, nip.approach), (nip.added, nip.load)):
         x = scale * np.array([0.2, 0.7, 1.2, 2.5, 4.0])

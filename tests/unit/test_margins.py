@@ -232,7 +232,7 @@ def test_the_collapse_of_a_thin_tube_is_a_limit_of_its_own(problem: wo.RollProbl
 def test_the_worst_value_of_all_stages_is_continuous() -> None:
     """Stages that differ by less than the default error of a roll: the place is the final one."""
     r = np.linspace(0.05, 0.1, 3)
-    early, final = (module._State(s, r, np.zeros(3), np.zeros(3)) for s in (0.08, 0.1))
+    early, final = (module._State(s, "", r, np.zeros(3), np.zeros(3)) for s in (0.08, 0.1))
     for excess in (0.9 * module.ALIKE, 1.1 * module.ALIKE):
         peak = np.array([0.0, 1 + excess, 0.0])
         found = module._worst([early, final], [peak, np.array([0.0, 0.0, 1.0])])

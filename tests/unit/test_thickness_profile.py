@@ -413,6 +413,90 @@ def test_a_sweep_over_the_size_of_a_band():
     assert b[1] == pytest.approx(b[0], rel=0.05)
 
 
+LIMIT = 0.0017  # of the strain of a band
+OSCILLATIONS, SIZES = (0.0, 0.3), (0.25, 1.5)
+
+
+@pytest.fixture(scope="module")
+def wound() -> wo.WindingProblem:
+    """Return a winding whose wound-on tension is T_in + mu N, so that no nip is solved."""
+    return wo.WindingProblem.example().replace(
+        radius=0.08, tension_law="friction", web_tension=250.0, nip_load=500.0,
+        thickness_profile=BAND, limits=wo.Limits(yield_strain=LIMIT),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def window(wound) -> wo.OperatingWindow:
+    return wo.operating_window(
+        wound, vary={"oscillation": OSCILLATIONS, "thickness_profile.variation": SIZES},
+        uncertain={"roll_friction": 0.1}, samples=256, workers=1, options={"lanes": 20},
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_window_over_oscillation_and_the_size_of_a_band(window, wound):
+    """Independent solutions between the nodes of the map: margins are those of the worst lane."""
+    assert window.names == ("oscillation", "thickness_profile.variation")
+    assert window.margins == ("slip", "gauge_band")
+    for oscillation, size in ((0.05, 0.4), (0.12, 1.3), (0.22, 0.8), (0.28, 1.1)):
+        changes = {"oscillation": oscillation, "thickness_profile.variation": size}
+        result = wo.solve(wound.replace(**changes), lanes=20)
+        expected = 1 - result.worst_lane.strain / LIMIT
+        reserve, deviation = window.at(oscillation, size).margins["gauge_band"]
+        # 0.01 of the limit: the polynomials of degree four, and the accuracy of the windings
+        assert reserve == pytest.approx(expected, abs=0.01)
+        assert deviation > 0
+    # never safer than at a larger oscillation with a smaller band
+    assert (np.diff(window.probability, axis=0) >= -0.02).all()
+    assert (np.diff(window.probability, axis=1) <= 0.02).all()
+    assert window.probability[0, -1] == 0.0
+    assert window.probability[-1, 0] > 0.95
+
+
+@pytest.mark.parametrize(
+    ("ranges", "message"),
+    [
+        ({"oscillation": (0, "1.2 m")}, r"oscillation: 1\.2 .*<= 1 \[m\], half the width of the"),
+        ({"thickness_profile.variation": (0.5, 90)}, r"variation: 90 .*<= 10"),
+        ({"thickness_profile.variation": (-0.5, 1)}, r"variation: -0\.5 .*>= 0"),
+        ({"thickness_profile.thickness": (0.5, 1)}, "thickness_profile.thickness: .* not a number"),
+    ],
+)
+def test_a_range_that_the_profile_does_not_permit(ranges, message, wound):
+    with pytest.raises(wo.InvalidProblem, match=message):
+        wo.operating_window(wound, (200, 300), vary=ranges, uncertain={"roll_friction": 0.1})
+
+
+@pytest.mark.slow
+def test_the_boundary_of_a_window_is_the_oscillation_that_find_finds(window, wound):
+    found = wo.find(
+        wound, "oscillation", between=OSCILLATIONS, points=5, options={"lanes": 20},
+        **{"worst_lane.strain": LIMIT},
+    )  # fmt: skip
+    reserve, _ = window.at(found.value, 1.0).margins["gauge_band"]
+    assert reserve == pytest.approx(0.0, abs=0.01)  # as between the nodes
+    # half of the draws of a friction of the same median: the probability is about a half
+    assert window.at(found.value, 1.0).probability == pytest.approx(0.5, abs=0.1)
+
+
+@pytest.mark.slow
+def test_the_figure_of_a_window_has_the_fields_on_its_axes(window, tmp_path):
+    figure = window.plot(tmp_path / "window.png")
+    axes = figure.axes[0]
+    assert axes.get_xlabel() == "amplitude of the oscillation of the web across the roll [mm]"
+    assert axes.get_ylabel() == "factor of the variation of the thickness"
+    assert axes.get_xlim() == (0.0, 300.0)
+    plt.close(figure)
+    with units_of(["mill"]):
+        figure = window.plot(tmp_path / "mill.png")
+        assert figure.axes[0].get_xlabel().endswith("across the roll [in]")
+        assert "oscillation 11.8" in str(window)
+    plt.close(figure)
+    header = str(window.to_dataframe().columns.tolist())
+    assert "'oscillation', 'thickness_profile.variation', 'probability'" in header
+
+
 # ---- windings -----------------------------------------------------------------------------------
 
 

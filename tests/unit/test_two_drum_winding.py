@@ -15,7 +15,7 @@ import woundon as wo
 from woundon.io.chosen_units import units_of
 from woundon.report.answer import answer_lines
 from woundon.report.winding_panels import winding_panels
-from woundon.studies.window_cases import range_of
+from woundon.studies.window_cases import ranges_of
 from woundon.winding.certificate import certificate
 
 DENSITY, MU = 680.0, 0.19
@@ -321,9 +321,11 @@ def test_an_operating_window_is_over_the_rider_load() -> None:
     assert 0 <= point.probability <= 1
     window.plot()
     # the rear drum of a winder may brake
-    assert range_of(board, "torque_split", (-0.2, 0.6)) == (-0.2, 0.6)
-    with pytest.raises(wo.InvalidProblem, match="torque_split"):
-        range_of(wo.WindingProblem.example(), "torque_split", (-0.2, 0.6))
+    none = dict.fromkeys(("web_tension", "nip_load", "rider_load", "torque_split"))
+    given = {"torque_split": (-0.2, 0.6), "web_tension": (250, 350)}
+    assert ranges_of(board, none | given, {})["torque_split"] == (-0.2, 0.6)
+    with pytest.raises(wo.InvalidProblem, match=r"torque_split: -0\.2 is out of range"):
+        ranges_of(wo.WindingProblem.example(), none | given, {})
 
 
 @pytest.mark.parametrize(

@@ -9,96 +9,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.linalg import lapack
+from rings import Rings
+from scipy.integrate import quad
 from slow_cases import slow_case
 
 import woundon as wo
+from woundon.roll.theories import constant_moduli
 
 NEWSPRINT = wo.RollProblem.example()
 TAPER = wo.Taper(start=350.0, taper=0.4)
-
-
-class Rings:
-    """A roll of rings; ``parts`` of them are a lap.
-
-    Unknown are the pressures P at the inner faces.  Equilibrium gives a ring's hoop stress, that
-    its strain, and thus how far its middle has moved; between two middles the stack is as thick as
-    its law says of the pressure at the face between them.
-    """
-
-    def __init__(self, problem: wo.RollProblem, parts: int) -> None:
-        stack, h = problem.stack, problem.web_thickness
-        laps = round((problem.radius - problem.core.radius) / h)
-        count, self.d = laps * parts, h / parts
-        self.law, self.E, self.nu = stack.radial, stack.tangential, stack.poissons_ratio
-        self.E_c = problem.core.effective_stiffness
-        self.r = problem.core.radius + self.d * np.arange(count + 1)
-        self.middle = (self.r[1:] + self.r[:-1]) / 2
-        under = np.repeat(self.r[:-1:parts], parts)  # of the lap
-        self.T = problem.tension_curve.at(under)
-        # in a lap just laid, of even tension: T h/s at its inner face, zero at the outer one
-        self.inner = self.T * (under + h - self.r[:-1]) / self.r[:-1]
-        outer = self.T * (under + h - self.r[1:]) / self.r[1:]
-        self.own = (self.inner + outer) / 2
-        self.grown, self.core_grown = (0.0, 0.0), 0.0  # strains without stress, after winding
-        self.below = np.zeros(count)  # of the ring below, when a lap was laid: moved, strained
-        P = np.zeros(1)
-        for k in range(0, count, parts):
-            if k:
-                P = self.pressed(P, k, self.inner[k])
-                hoop, moved = self.state(P, k)
-                strain = self.nu / self.E * self.d * (hoop[-1] - self.T[k - 1]) / 2
-                self.below[k] = moved[-1] - strain
-            P = np.concatenate([P[:k], self.inner[k : k + parts], [0.0]])
-        dT = problem.temperature_change
-        self.grown = problem.tangential_expansion * dT, problem.radial_expansion * dT
-        self.core_grown = problem.core_expansion * dT - problem.core_shrinkage
-        P = self.pressed(P, count, 0.0)
-        hoop = self.state(P, count)[0].reshape(laps, parts)
-        self.mean_hoop = hoop.mean(axis=1)
-        self.P, self.r = P[::parts], self.r[::parts]
-        if parts > 1:  # extrapolated to the faces of each lap
-            inner, outer = 1.5 * hoop[:, 0] - hoop[:, 1] / 2, 1.5 * hoop[:, -1] - hoop[:, -2] / 2
-            self.face_hoop = np.array([inner, outer])
-
-    def state(self, P: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return hoop stress of the first k rings, and how far they have moved since laid."""
-        hoop = -(self.r[1 : k + 1] * P[1:] - self.r[:k] * P[:-1]) / self.d
-        since = hoop - self.T[:k] + self.nu * ((P[1:] + P[:-1]) / 2 - self.own[:k])
-        return hoop, self.middle[:k] * (since / self.E + self.grown[0])
-
-    def pressed(self, P: np.ndarray, k: int, top: float) -> np.ndarray:
-        """Return the pressures of k rings under a pressure on the last, by Newton's method."""
-        P = np.append(P[:k], top)
-        share, half = self.nu / self.E * self.d / 2, np.append(0.5, np.ones(k - 1))
-        r, middle = self.r[: k + 1], self.middle[:k] / self.E
-        by_in, by_out = (
-            middle * (r[:-1] / self.d + self.nu / 2),
-            middle * (self.nu / 2 - r[1:] / self.d),
-        )
-        hoop_in, hoop_out = share * r[:-1] / self.d, -share * r[1:] / self.d
-        for _ in range(50):
-            hoop, moved = self.state(P, k)
-            miss = (
-                moved
-                + share * (hoop - self.T[:k])
-                + half * self.d * (self.law.strain_at(P[:k]) - self.law.strain_at(self.inner[:k]))
-            )
-            miss -= half * self.d * self.grown[1]
-            miss[0] += self.r[0] * ((P[0] - self.inner[0]) / self.E_c - self.core_grown)
-            miss[1:] -= moved[:-1] - share * (hoop[:-1] - self.T[: k - 1]) - self.below[1:k]
-            diagonal = by_in + hoop_in + half * self.d / self.law.modulus(P[:k])
-            diagonal[0] += self.r[0] / self.E_c
-            diagonal[1:] -= by_out[:-1] - hoop_out[:-1]
-            low, high = hoop_in[:-1] - by_in[:-1], (by_out + hoop_out)[:-1]
-            if k == 1:
-                change = miss / diagonal
-            else:
-                *_, change, _ = lapack.dgtsv(low, diagonal, high, miss, 1, 1, 1, 1)
-            P[:k] -= change
-            if np.max(np.abs(change)) <= 1e-9 * np.max(P):
-                return P
-        raise AssertionError("the rings find no equilibrium")
 
 
 def thick(problem: wo.RollProblem, times: float) -> wo.RollProblem:
@@ -249,6 +168,12 @@ def misses(problem: wo.RollProblem) -> dict[str, float] | None:
         result = wo.solve(problem)
     except wo.InvalidProblem:  # the energy of the stack is indefinite at the pressure reached
         return None
+    except wo.NotConverged as fault:
+        # claimed at 1e-5 of the pressure as wound, which thin and thick layers reach at other loads
+        rings = Rings(problem, 6)
+        if "all layers separate" in str(fault) and np.max(rings.P) < 1e-4 * rings.largest:
+            return None
+        raise
     rings = Rings(problem, 6)
     middle = (problem.core.radius + problem.radius) / 2
     laps = {
@@ -256,6 +181,8 @@ def misses(problem: wo.RollProblem) -> dict[str, float] | None:
         "peak_pressure": [rings.P.max()],
         "mid_pressure": [np.interp(middle, rings.r, rings.P)],
         "least_hoop_stress": [hoop.min() for hoop in (rings.mean_hoop, *rings.face_hoop)],
+        "bore_hoop_stress": [hoop[0] for hoop in (rings.mean_hoop, *rings.face_hoop)],
+        "bore_displacement": [rings.bore_moved],
     }
     assert laps.keys() == result.errors.keys()
     return {
@@ -306,3 +233,157 @@ def test_the_hoop_stress_of_a_roll_of_foam():
         hoop = T - (g * grows - g * decays) * later
         miss = abs(np.min(hoop) - result.least_hoop_stress)
         assert 0.02 * T < miss <= 1.25 * result.errors["least_hoop_stress"]
+
+
+# ---- rolls off their core -----------------------------------------------------------------------
+
+# steel of 1 mm, wound with 30 MPa on a mandrel of 60 GPa
+COIL = wo.RollProblem(
+    core=wo.Core(diameter=0.508, stiffness=60e9), diameter=1.5, web_thickness=1e-3,
+    stack=wo.Stack(radial=2e9, tangential=200e9, poissons_ratio=0.0, shear=1e9),
+    wound_on_tension=30e6 * 1e-3,
+)  # fmt: skip
+
+
+def random_release(seed: int) -> wo.RollProblem:
+    """Return a random roll that is taken off its core, whose core shrinks away, or is soft.
+
+    Every third one of the first two kinds shrinks through its stack too, by 0.3 to 15 times the
+    strain of its tension, so that layers separate in some of them.
+    """
+    roll, rng = random_roll(seed), np.random.default_rng([seed, 1])
+    strain = float(roll.tension_curve.at(np.array(roll.core.radius))) / roll.stack.tangential
+    kind = seed % 3
+    if kind == 2:
+        softness = float(10 ** rng.uniform(-5, -1))
+        roll = roll.replace(**{"core.stiffness": softness * roll.stack.tangential})
+    elif kind == 1:
+        roll = roll.replace(core_shrinkage=float(rng.uniform(1.0, 4.0)) * strain)
+    else:
+        roll = roll.replace(core_removed=True)
+    if kind < 2 and rng.random() < 1 / 3:
+        strain *= float(10 ** rng.uniform(-0.5, 1.2))
+        roll = roll.replace(
+            temperature_change=-100.0, radial_expansion=strain / 100, tangential_expansion=0.0
+        )
+    return roll
+
+
+def test_a_released_coil_by_its_closed_form():
+    """P_c by SciPy's quadrature: F = r^(g-1) + A r^(-g-1), g = 10; then T - (E_t/E_c + g) P_c."""
+    g, T, E_t, E_c = 10.0, 30e6, 200e9, 60e9
+    A = (g - E_t / E_c) / (g + E_t / E_c)
+    length = np.log(0.75 / 0.254)
+    integral = quad(
+        lambda x: 1 / (np.exp((g - 1) * x) + A * np.exp(-(g + 1) * x)), 0, length, epsrel=1e-12
+    )[0]
+    P_c = (1 + A) * T * integral
+    # the release -P_c decays as r^(-g - 1); its reflection at the surface is (r_c/R)^(2 g) = 4e-10
+    hoop = T - (E_t / E_c + g) * P_c
+    released = COIL.replace(core_removed=True)
+    result = wo.solve(released, rtol=1e-7)
+    assert result.core_pressure == 0.0
+    assert result.bore_hoop_stress == pytest.approx(hoop, rel=1e-5)
+    assert hoop == pytest.approx(-28.56e6, rel=2e-3)  # as a table of four digits has it
+    assert result.bore_displacement == pytest.approx(0.254 * (hoop - T) / E_t, rel=1e-5)
+    r = np.linspace(0.254, 0.75, 40)
+    exact = constant_moduli(released, r)
+    found = result.at_radius(r)
+    np.testing.assert_allclose(found["pressure"], exact.pressure, atol=1e-6 * exact.pressure.max())
+    np.testing.assert_allclose(found["hoop_stress"], exact.hoop_stress, atol=2e-6 * T)
+
+
+@pytest.mark.parametrize("roll", [COIL, NEWSPRINT], ids=["steel", "newsprint"])
+def test_a_core_that_shrinks_away_and_one_that_is_removed_leave_the_same_roll(roll: wo.RollProblem):
+    removed, shrunk = (
+        wo.solve(roll.replace(**change))
+        for change in ({"core_removed": True}, {"core_shrinkage": 0.01})
+    )
+    # the same equations, solved to 1e-11 by Newton's method from different initial guesses
+    for name in ("pressure", "hoop_stress", "displacement"):
+        one, two = getattr(removed, name), getattr(shrunk, name)
+        np.testing.assert_allclose(one, two, atol=1e-8 * np.max(np.abs(one)))
+    # the gap is the way of the core, less that of the bore
+    core = roll.core.radius
+    assert shrunk.core_gap == pytest.approx(0.01 * core + shrunk.bore_displacement, rel=1e-9)
+    assert np.isnan(removed.core_gap)
+
+
+def test_a_core_loses_the_roll_when_its_pressure_reaches_zero():
+    """The pressure of a shrinking core falls to zero; then the roll is the released one."""
+    released = wo.solve(COIL.replace(core_removed=True))
+    at_contact = -released.bore_displacement / COIL.core.radius
+    on, off = (wo.solve(COIL.replace(core_shrinkage=k * at_contact)) for k in (0.999, 1.001))
+    assert 0 < on.core_pressure < 2e-3 * wo.solve(COIL).core_pressure
+    assert (on.core_gap, off.core_pressure) == (0.0, 0.0)
+    assert off.core_gap == pytest.approx(1e-3 * at_contact * COIL.core.radius, rel=1e-6)
+    assert on.bore_hoop_stress == pytest.approx(released.bore_hoop_stress, rel=2e-3)
+
+
+def stepped(inside: float, outside: float) -> wo.Profile:
+    """Return a tension of two levels [N/m] for the rolls of :func:`dried`."""
+    levels = [inside, inside, outside, outside]
+    return wo.Profile(radius=[0.05, 0.06, 0.062, 0.074], value=levels)
+
+
+def dried(share: float, **changes: object) -> wo.RollProblem:
+    """Return a roll of 60 thick layers that shrinks through its stack by a share of T/E_t."""
+    roll = wo.RollProblem(
+        core=wo.Core(radius=0.05, stiffness=4e9), radius=0.05 + 60 * 4e-4, web_thickness=4e-4,
+        stack=wo.Stack(radial=4e7, tangential=4e9, poissons_ratio=0.0, shear=1e7),
+        wound_on_tension=2e6 * 4e-4,
+    )  # fmt: skip
+    strain = share * 2e6 / 4e9
+    return roll.replace(temperature_change=-10.0, radial_expansion=strain / 10, **changes)
+
+
+@pytest.mark.parametrize(
+    ("share", "changes"),
+    [
+        (8.0, {"core_removed": True}),
+        (18.0, {"wound_on_tension": stepped(800.0, 1600.0)}),
+        (30.0, {}),
+        (15.0, {"wound_on_tension": stepped(1600.0, 800.0), "core_removed": True}),
+    ],
+    ids=["at the bore", "inside", "to the surface", "at both ends"],
+)
+def test_layers_that_separate(share: float, changes: dict):
+    """Open zones of the rings are those of the continuum, to a layer or two."""
+    problem = dried(share, **changes)
+    with pytest.warns(wo.ValidityWarning, match="the layers have separated from"):
+        result = wo.solve(problem)
+    rings = Rings(problem, 2)
+    is_open, r, h = rings.open[::2], rings.r[:-1], problem.web_thickness
+    steps = np.flatnonzero(np.diff(is_open.astype(int), prepend=0, append=0))  # firsts, and ends
+    opened = (result.opening > 0).astype(int)
+    found = np.flatnonzero(np.diff(opened, prepend=0, append=0))
+    assert 0 < steps.size == found.size
+    edges = np.append(r, problem.radius)[steps]
+    edges_found = np.where(np.arange(found.size) % 2, result.radius[found - 1], 0)
+    edges_found[::2] = result.radius[found[::2]]
+    np.testing.assert_allclose(edges_found, edges, atol=2 * h)
+    assert result.separation_radius == edges_found[-1]
+    change = np.max(np.abs(rings.P - np.interp(rings.r, result.radius, result.pressure)))
+    assert change <= 1.25 * result.errors["peak_pressure"]
+    assert result.residuals.largest <= 1e-8
+
+
+def test_a_roll_that_separates_entirely_is_rejected():
+    with pytest.raises(wo.NotConverged, match="all layers separate"):
+        wo.solve(dried(200.0, core_removed=True))
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("seed", range(6))
+def test_released_rolls_are_covered_by_the_error_estimates(seed: int):
+    found = misses(random_release(seed))
+    assert found is None or max(found.values()) <= 1.25
+
+
+@pytest.mark.campaign
+@pytest.mark.filterwarnings("ignore")
+def test_a_hundred_released_rolls():
+    found = [miss for seed in range(130) if (miss := misses(random_release(seed))) is not None]
+    assert len(found) >= 100
+    for name in found[0]:
+        assert max(miss[name] for miss in found) <= 1.25, name

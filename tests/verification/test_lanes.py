@@ -16,6 +16,7 @@ from woundon.problems.thickness_profile import Lanes
 from woundon.roll.lane_roll import _check_law, solve_lanes
 from woundon.roll.lane_tension import tension_of_web
 from woundon.roll.solve import solve_thin_layers
+from woundon.winding.bodies import linear_cylinder
 
 CORE, E_C, NU = 0.05, 1e9, 0.01
 
@@ -148,15 +149,121 @@ def test_layers_of_finite_thickness(web, excess, share, slack):
         assert ridge == pytest.approx(2 * finite[1] - finite[0], abs=0.01 * size)
 
 
-NIPS = {0.0: 37.4, 1e6: 34.8, 4e6: 26.9, 2e7: 12.1, 1e8: 3.2}
+@pytest.mark.slow
+@pytest.mark.parametrize(("web", "R", "worst"), [
+    ("newsprint, K2 40", 0.14150, 1.9e-2), ("PET", 0.12318, 6.5e-3),
+])  # fmt: skip
+def test_a_roll_of_finite_layers_at_its_actual_radii(web, R, worst):
+    """Independent program: 1500 layers, of which the nominal radius is 0.149 m for newsprint.
+
+    ``worst`` is the difference in pressure that another independent program found, of the largest:
+    its last digit is 4 % of it.
+    """
+    laid = rings(web, lanes_of([0.0, 0.0]), 1500)
+    assert laid.surface[0] == pytest.approx(R, abs=1e-5)
+    result = wo.solve(roll_of(web, float(laid.surface[0])))
+    r, P = laid.laid[:, 0], laid.pressure[:, 0]
+    finite, thin = (
+        np.max(np.abs(np.interp(r, result.radius, values) - P)) / np.max(P)
+        for values in (result.pressure + result.finite_layer_change, result.pressure)
+    )
+    assert finite == pytest.approx(worst, rel=0.05)
+    assert thin > 1.5 * finite
+
+
+# Ridge [um] over the rest of the web, tension of the band, its web tension [N/m] and nip load [N/m]
+# found by another independent program with 1500 layers; no nip in the first row.
+RIDGES = [
+    (0.0, 37.4, 687.1, None, None),
+    (1e5, 38.1, 687.0, 306, 2003),
+    (1e6, 34.8, 687.6, 302, 2031),
+    (4e6, 26.9, 688.6, 290, 2097),
+    (2e7, 12.1, 689.9, 269, 2217),
+    (1e8, 3.2, 690.2, 256, 2287),
+]
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "ridge", "tension", "web", "load"),
+    [slow_case(*row) if row[0] != 2e7 else row for row in RIDGES],
+)
+def test_the_nip_lowers_a_ridge_and_not_its_tension(stiffness, ridge, tension, web, load):
+    """Independent program: a band of 0.5 % over a tenth of the width, the stiffness of the nip.
+
+    The curve of the load is not stated; it is a straight line here.
+    """
+    name = "newsprint, K2 40"
+    _, E_t, h, _ = STACKS[name]
+    lanes = lanes_of([-0.0005, 0.0045], share=[0.9, 0.1])
+    nip = PowerNip(2000.0, stiffness, 0.19, 250.0, E_t, h) if stiffness else None
+    options = {"tension": 250.0, "nip": nip.of_rings()} if nip else {"tension": 630.0}
+    laid = rings(name, lanes, 1500, **options)
+    R = float(lanes.share @ laid.surface)
+    lane = solve(roll_of(name, R, 630.0), lanes, nip)
+    width = h * (1 + lanes.excess[1])
+    # 0.06 and 0.11: the last digit of the table, and that of the half that was rounded
+    assert 1e6 * np.diff(laid.surface)[0] == pytest.approx(ridge, abs=0.06)
+    assert laid.tension[-1, 1] * width == pytest.approx(tension, abs=0.11)
+    # the solver has thin layers: up to 0.2 % lower ridges in the six rows
+    assert 1e6 * np.diff(lane.ridge_height[:, -1])[0] == pytest.approx(ridge, rel=3e-3, abs=0.06)
+    assert lane.wound_on_tension[1, -1] == pytest.approx(tension, rel=3e-4)
+    if nip is None:
+        return
+    assert (laid.web[-1, 1] * width, laid.load[-1, 1]) == pytest.approx((web, load), abs=0.6)
+    assert lane.web_tension[1, -1] == pytest.approx(web, abs=0.6)
+    assert lane.nip_load[1, -1] == pytest.approx(load, abs=0.8)
+    # Closed form of a small ridge of a lone lane, from that without a stiff nip.  The band is no
+    # lone lane: 7 % at most.
+    without = RIDGES[1][1] * (1 + 0.19 * RIDGES[1][0] * R / (E_t * h))
+    assert ridge == pytest.approx(without / (1 + 0.19 * stiffness * R / (E_t * h)), rel=0.07)
+
+
+HARD = {0.1: (1.3e7, 1.5e7), 0.3: (9e6, 1e7), 0.6: (8e6, 8e6)}  # k at radii, N/m per m
+COVER = wo.Cylinder(
+    radius=0.25, core_radius=0.24, material=wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.48)
+)
+
+
+def stiffness_of_nip(R, load, drum):
+    """Return k = dP/d delta [N/m^2] and d ln P/d ln delta of a nip, for 10 % more load."""
+    problem = wo.WindingProblem.example().replace(nip_load=load, drum=drum)
+    nip = problem.nip(R, linear_cylinder(problem, R))
+    less, more = (
+        wo.solve(nip.replace(nip_load=factor * load), nodes=65).approach for factor in (1.0, 1.1)
+    )
+    return 0.1 * load / (more - less), np.log(1.1) / np.log(more / less)
+
+
+@pytest.mark.parametrize("R", list(HARD))
+def test_the_stiffness_of_a_nip_on_a_hard_drum(R):
+    """Another evaluation of the same nip solver: k and its exponent are those of the document.
+
+    Neither loads nor drum nor roll are stated there: here 1 and 2 kN/m, a rigid drum of 0.25 m and
+    the newsprint of the thesis's Table 2, so that 10 % are left; k falls with the radius.
+    """
+    low, high = HARD[R]
+    for load in (1e3, 2e3):
+        k, exponent = stiffness_of_nip(R, load, wo.Rigid(radius=0.25))
+        assert 0.9 * low <= k <= 1.1 * high
+        assert 1.075 <= exponent <= 1.155  # 1.08 to 1.15
+
+
+def test_a_cover_is_not_much_softer_than_the_roll():
+    """The same with a cover of 10 mm, 5 MPa: 6e6 at 1 kN/m to 9e6 at 4 kN/m, exponent 1.3 to 1.4.
+
+    The radius of the roll is not stated; it is 0.3 m here, and 12 % are left.
+    """
+    for load, expected in ((1e3, 6e6), (4e3, 9e6)):
+        k, exponent = stiffness_of_nip(0.3, load, COVER)
+        assert k == pytest.approx(expected, rel=0.12)
+        assert 1.25 <= exponent <= 1.45
+    # the stiffness is governed by the roll: a hard drum is at most 1.6 times stiffer
+    assert stiffness_of_nip(0.3, 1e3, wo.Rigid(radius=0.25))[0] < 1.6 * 6e6 * 1.12
 
 
 @pytest.mark.parametrize("stiffness", [2e7, slow_case(1e6), slow_case(4e6), slow_case(1e8)])
 def test_a_nip_takes_over_from_the_web(stiffness):
-    """Independent program: ridge, web tension and nip load of a band of 0.5 % on a tenth.
-
-    The ridges of 1500 layers in um were found by another independent program.
-    """
+    """Independent program: a nip whose load is a power of the approach; 0.5 % on a tenth."""
     web = "newsprint, K2 40"
     _, E_t, h, _ = STACKS[web]
     lanes = lanes_of([-0.0005, 0.0045], share=[0.9, 0.1])
@@ -341,6 +448,10 @@ def test_the_ridge_of_stiffer_stacks(K2):
     R = float(lanes.share @ laid.surface)
     changes = {"stack.radial.K2": K2, "core.stiffness": 1e12}
     lane = solve(roll_of("newsprint, K2 40", R).replace(**changes), lanes)
+    # Another independent program: 52, 93 and 99 % of n d h.  It states no n and d; 9 % at K2 40 is
+    # that of about 450 layers, not of these 700, and is left out.
+    share = (laid.surface[0] - R) / (700 * 0.0005 * 66e-6)
+    assert share == pytest.approx({4e2: 0.52, 4e3: 0.93, 4e4: 0.99}.get(K2, share), abs=0.005)
     # layers of finite thickness: 0.3 % on the stiffest stacks, where a layer is felt everywhere
     assert lane.ridge_height[:, -1] == pytest.approx(laid.surface - R, rel=5e-3)
     if K2 == 4e4:
@@ -389,6 +500,8 @@ def test_the_law_ends_above_the_pressure_of_every_lane():
 
 # ---- profiles -----------------------------------------------------------------------------------
 
+SEEDS = [k for k in range(2001, 2051) if k not in (2001, 2002)]  # of the error estimates
+
 
 def cosine(amplitude):
     y = np.linspace(0, 1, 401)
@@ -406,6 +519,20 @@ def test_the_number_of_lanes():
     assert errors[1] < 0.4 * errors[0]
 
 
+@pytest.mark.parametrize(
+    ("count", "largest"), [(5, 216.7), (10, 225.5), (20, 227.9), (50, 228.5), (100, 228.6)]
+)
+def test_the_number_of_strips(count, largest):
+    """Independent program: the largest tension of strips of a cosine profile, PET, 1500 layers.
+
+    Its strips have the thickness at their centre, not the mean.  The amplitude is not stated: 0.3 %
+    is that of the cosine here, and the largest tension tends to that of its lone band.
+    """
+    d = 0.003 * np.cos(2 * np.pi * (np.arange(count) + 0.5) / count)
+    lane = solve(roll_of("PET", 0.12318), lanes_of(d))
+    assert lane.worst.tension == pytest.approx(largest, rel=1.5e-3)  # thin layers; measured 0.11 %
+
+
 def test_an_oscillation_levels_a_band():
     y = np.linspace(0, 2, 401)
     band = wo.ThicknessProfile(position=y, thickness=1 + 0.01 * (np.abs(y - 1) < 0.05))
@@ -418,12 +545,12 @@ def test_an_oscillation_levels_a_band():
     assert strains[-1] < 1.03 * 350 / 66e-6 / 3.38e9
 
 
-def run_random_roll(seed):
-    """Solve a random roll, every third with a nip; return its lanes and problem."""
+def random_case(seed):
+    """Return a random roll, and a random nip of every third one, else None."""
     rng = np.random.default_rng(seed)
     problem = random_roll(rng)
     if seed % 3:
-        return wo.solve(problem).lane_roll, problem
+        return problem, None
     tension = float(problem.tension_curve.at(np.array([problem.radius]))[0])
     h, E_t = problem.web_thickness, problem.stack.tangential
     total = tension * h
@@ -433,40 +560,43 @@ def run_random_roll(seed):
     )  # fmt: skip
     nip.friction = float(rng.uniform(0.05, 0.6)) * total / nip.load
     nip.web = total - nip.friction * nip.load
-    problem = problem.replace(wound_on_tension=total)
-    roll = solve_thin_layers(problem, 1e-3).wound_with(problem)
-    lanes = solve_lanes(roll.result, roll.build_up, problem, count=50, nips=nip)
-    load = lanes.lanes.share @ lanes.nip_load
-    assert load == pytest.approx(np.full(load.shape, nip.load), rel=1e-12)
-    web = lanes.lanes.share @ lanes.web_tension
-    assert web == pytest.approx(np.full(web.shape, nip.web), rel=1e-12)
-    return lanes, problem
+    return problem.replace(wound_on_tension=total), nip
+
+
+def solve_profile(problem, nip, rtol=1e-3, **options):
+    """Return the lanes of a problem with a profile."""
+    roll = solve_thin_layers(problem, rtol).wound_with(problem)
+    return solve_lanes(roll.result, roll.build_up, problem, nips=nip, **options)
 
 
 @pytest.mark.parametrize("seed", [*range(3), *(campaign_case(k) for k in range(3, 500))])
 def test_random_profiles(seed):
     """Robustness: 500 profiles of up to 2 %, every third with a nip; conservation of tension."""
-    lane, problem = run_random_roll(seed)
+    problem, nip = random_case(seed)
+    lane = wo.solve(problem).lane_roll if nip is None else solve_profile(problem, nip, count=50)
     assert np.isfinite(lane.pressure).all()
-    if seed % 3:
-        tension = lane.lanes.share @ lane.wound_on_tension
-        expected = problem.tension_curve.at(lane.radius) * problem.web_thickness
+    tension = lane.lanes.share @ lane.wound_on_tension
+    expected = problem.tension_curve.at(lane.radius) * problem.web_thickness
+    if nip is None:
         assert tension == pytest.approx(expected, rel=1e-12)
+        return
+    load, web = (lane.lanes.share @ part for part in (lane.nip_load, lane.web_tension))
+    assert load == pytest.approx(np.full(load.shape, nip.load), rel=1e-12)
+    assert web == pytest.approx(np.full(web.shape, nip.web), rel=1e-12)
 
 
 @pytest.mark.parametrize(
-    "seed", [slow_case(1003), *(campaign_case(k) for k in range(1001, 1051) if k != 1003)]
+    "seed", [slow_case(2001), slow_case(2002), *(campaign_case(k) for k in SEEDS)]
 )
 def test_the_error_estimates_of_the_lanes(seed):
     """Honesty: 200 lanes with an eight times smaller tolerance are within the estimates.
 
-    The estimates contain those of the mean roll, without the thickness of the layers here.
+    Every third roll has a nip.  The estimates contain those of the mean roll, without the thickness
+    of the layers here.
     """
-    problem = random_roll(np.random.default_rng(seed))
-    roll = solve_thin_layers(problem, 1e-3).wound_with(problem)
-    usual = solve_lanes(roll.result, roll.build_up, problem, count=50)
-    accurate = solve_thin_layers(problem, 1e-4).wound_with(problem)
-    fine = solve_lanes(accurate.result, accurate.build_up, problem, count=200, tolerance=2.5e-4)
+    problem, nip = random_case(seed)
+    usual = solve_profile(problem, nip, count=50)
+    fine = solve_profile(problem, nip, rtol=1e-4, count=200, tolerance=2.5e-4)
     for name in ("pressure", "core_pressure", "tension", "least_tension", "strain", "ridge_height"):
         value, exact = getattr(usual.worst, name), getattr(fine.worst, name)
         rounding = 1e-9 * exact if name != "least_tension" else 1e-9 * fine.worst.tension

@@ -22,6 +22,7 @@ from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA
 from ..problems.description import Description
 from ..problems.family import Family
+from ..problems.fields import FLAGS
 from ..problems.grades import grades
 from ..problems.materials import MATERIALS, Material
 from ..problems.units import MILL, compatible_units, definitions
@@ -215,7 +216,9 @@ def _parts(annotation: Any) -> list[Any]:
 
 
 def _literal_words(annotation: Any) -> list[str]:
-    """Return the words that an annotation admits: the values of all Literal types in it."""
+    """Return the words that an annotation admits: of a bool, or the values of all Literal types."""
+    if annotation is bool:
+        return list(FLAGS)
     literals = [part for part in _parts(annotation) if get_origin(part) is Literal]
     return [word for literal in literals for word in get_args(literal)]
 

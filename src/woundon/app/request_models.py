@@ -170,15 +170,20 @@ class FitRequest(_Request):
 
 
 class WindowRequest(_Request):
-    """A winding and the ranges of its set points at the core."""
+    """A winding and the ranges of two or three set points, of schedules at the core."""
 
     case: Tables
-    web_tension: tuple[Number, Number] = Field(examples=[["200 N/m", "500 N/m"]])
+    web_tension: tuple[Number, Number] | None = Field(None, examples=[["200 N/m", "500 N/m"]])
     nip_load: tuple[Number, Number] | None = Field(None, examples=[["1 kN/m", "4 kN/m"]])
     rider_load: tuple[Number, Number] | None = Field(
         None, description="of a two-drum winder, in place of nip_load"
     )
     torque_split: tuple[Number, Number] | None = Field(None, examples=[[0.0, 0.5]])
+    vary: dict[str, tuple[Number, Number]] = Field(
+        default_factory=dict,
+        description="range of any other field",
+        examples=[{"oscillation": ["0 mm", "200 mm"]}],
+    )
     uncertain: dict[str, float] | str = Field(
         description="relative standard deviation by field, or the grade that has them",
         examples=["newsprint"],

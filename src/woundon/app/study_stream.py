@@ -400,6 +400,7 @@ def map_window(request: Mapping[str, Any], journal: Journal) -> None:
             request["nip_load"],
             request["torque_split"],
             rider_load=request["rider_load"],
+            vary=request["vary"],
             uncertain=request["uncertain"],
             # at least two: a single one would solve in the server itself
             workers=max(2, min(usable_cores(), MOST_PROCESSES)),
@@ -435,9 +436,9 @@ def _in_thread(work: Callable[..., None], *args: Any) -> Awaitable[None]:
 
 
 def _map(result: OperatingWindow) -> dict[str, Any]:
-    """Return a window for its event, SI units; the map by rows of equal web tension.
+    """Return a window for its event, SI units; the map by rows of equal first set point.
 
-    With a torque split its levels are innermost.  ``binding`` is the index of the margin that
+    The levels of a third set point are innermost.  ``binding`` is the index of the margin that
     limits a point, ``dominant`` that of the input that contributes most to the variance of this
     margin; -1 if there is none.
     """

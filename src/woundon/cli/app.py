@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import secrets
 import sys
-import threading
-import webbrowser
 
 import click
 
@@ -58,6 +55,10 @@ MISSING = 'needs FastAPI and uvicorn: pip install "woundon[app]"'
 )
 def app(port: int, no_browser: bool, host: str, names: tuple[str, ...], token: str) -> None:
     """Open the interactive page in the browser."""
+    import secrets
+    import threading
+    import webbrowser
+
     try:
         from ..app.uvicorn_server import LOOPBACK, interrupts_counted, listening, serve
     except ImportError as fault:

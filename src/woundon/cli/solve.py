@@ -16,7 +16,7 @@ from . import options
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
 
-    from ..kinds import Kind
+    from ..kinds import Kind, SolverOption
     from ..problems.problem import Problem
     from ..results import Result
     from ..sensitivity import Sensitivity
@@ -101,11 +101,13 @@ def _solver_options() -> Iterator[click.Option]:
     from ..kinds import every
 
     kinds_with: dict[str, list[Kind[Any, Any]]] = {}
+    options_of_first: dict[str, SolverOption] = {}
     for kind in every():
-        for name in kind.solver_options():
+        for name, option in kind.solver_options().items():
+            options_of_first.setdefault(name, option)
             kinds_with.setdefault(name, []).append(kind)
     for name, owners in kinds_with.items():
-        option = owners[0].solver_options()[name]
+        option = options_of_first[name]
         text = f"{option.help} See 'woundon describe'." if option.details else option.help
         if len(owners) < len(every()):
             text += f" Only for {one_of((kind.name for kind in owners), 'and')}."

@@ -25,16 +25,15 @@ RANGE = options.Numbers("LOW:HIGH")
     Map the operating window: the probability of a roll without defects.
 
     The probability is that of positive margins of a winding, over web tension and nip load, or the
-    rider load of a two-drum winder. The inputs are uncertain: their relative standard deviations
-    are those of the grade of the case, and of --uncertain. The ranges are of the values at the
-    core; schedules keep their shape. Exit status: 0 if the map is complete, 2 for invalid input, 3
-    if too few windings can be solved.
+    rider load of a two-drum winder, or any fields of --vary: two or three ranges in all. The inputs
+    are uncertain: their relative standard deviations are those of the grade of the case, and of
+    --uncertain. The ranges are of the values at the core; schedules keep their shape. Exit status:
+    0 if the map is complete, 2 for invalid input, 3 if too few windings can be solved.
     """
 )
 @click.argument("case", type=options.PATH)
 @click.option(
     "--web-tension",
-    required=True,
     type=RANGE,
     help='Range at the core, e.g. "200 N/m:500 N/m"; plain numbers are SI.',
 )
@@ -50,6 +49,13 @@ RANGE = options.Numbers("LOW:HIGH")
     help="Range of the fraction of the web tension carried by the drum; by default as in the case.",
 )
 @click.option(
+    "--vary",
+    multiple=True,
+    type=options.FieldRange(),
+    callback=options.as_mapping,
+    help='Range of any other field, e.g. oscillation="0 mm:200 mm"; repeatable.',
+)
+@click.option(
     "--uncertain",
     multiple=True,
     type=options.Pair("FIELD=DEVIATION", options.as_number),
@@ -61,8 +67,9 @@ RANGE = options.Numbers("LOW:HIGH")
     "--at",
     "points",
     multiple=True,
-    type=options.Numbers("TENSION:LOAD[:SPLIT]"),
-    help="Print margins and contributions at a point as well; repeatable.",
+    type=options.Numbers("VALUE:VALUE[:VALUE]"),
+    help="Print margins and contributions at a point as well, the values in the order of --help: "
+    "web tension, load, torque split, then those of --vary; repeatable.",
 )
 @options.SETTINGS
 @options.UNITS
@@ -101,9 +108,8 @@ def window(
     """Map the operating window: the probability of a roll without defects."""
     from ..studies.window import operating_window
 
-    # the third axis is optional
-    names = ("web_tension", "nip_load", "rider_load", "torque_split")
-    axes = [name for name in names if arguments[name]]
+    named = ("web_tension", "nip_load", "rider_load", "torque_split")
+    axes = [*(name for name in named if arguments[name]), *arguments["vary"]]
     for point in points:
         if len(point) != len(axes):
             raise click.UsageError(f"--at needs {len(axes)} values: {' and '.join(axes)}")

@@ -9,10 +9,11 @@ the estimated error of the last value Q_m is  3 max_k d_k (N_k/N_m)^2  over the 
 Zone boundaries move through the cells, so convergence is not monotone: one change may be small by
 chance, and the factor of safety is that of Roache's grid convergence index.  Refinement ends when
 the estimate of the fourth or a further mesh meets its tolerance: two changes that are both small by
-chance do not end it.
+chance do not end it.  A loose tolerance is far above the usual error of the third mesh, so that its
+estimate decides, and the first meshes are coarser.
 
-The first three meshes are fixed.  Each further one, at least one, is predicted from the ratio r of
-the estimate and the tolerance: N = N_last sqrt(r/0.6), at least 1.3 and at most 2 times the last.
+The first three meshes are fixed.  Each further one is predicted from the ratio r of the estimate
+and the tolerance: N = N_last sqrt(r/0.6), at least 1.3 and at most 2 times the last.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ __all__ = [
     "CHANGES",
     "FINAL_TOLERANCE",
     "FIRST_SIZES",
+    "LOOSE",
     "MeshSolution",
     "Refinement",
     "neighbouring_solution",
@@ -46,6 +48,9 @@ Array = np.ndarray
 Tolerances = Callable[[Mapping[str, float]], Mapping[str, float]]
 
 FIRST_SIZES = (13, 23, 41)
+# First meshes of a loose tolerance, of LOOSE and more of an output: its error on 33 nodes is about
+# 0.1 %.
+LOOSE_SIZES, LOOSE = (9, 17, 33), 1e-2
 # Other first meshes, tried once where the iteration fails: they have other active sets.  Each
 # further mesh is then the next but one of SIZES.
 OTHER_SIZES = (17, 29, 45)
@@ -185,6 +190,7 @@ def refine(
     nodes: int | None = None,
     tolerances: Tolerances = lambda _: {},
     most_nodes: int = 257,
+    loose: bool = False,
     start: Refinement | None = None,
     errors: bool = True,
     last: MeshSolution | None = None,
@@ -204,6 +210,9 @@ def refine(
         main outputs -> permitted errors of some of them, by name.
     most_nodes : int
         Largest mesh; there the refinement ends even if the tolerances are not met.
+    loose : bool
+        True for relative tolerances of LOOSE and more: the first meshes are coarser, and the third
+        may be the last one.
     start : Refinement, optional
         Solutions of a neighbouring problem, which replace the initial guess on every mesh.
     errors : bool
@@ -222,8 +231,9 @@ def refine(
     """
     sequence, alternative = (
         sizes_up_to(nodes, first) if nodes else [n for n in first if n <= most_nodes]
-        for first in (FIRST_SIZES, OTHER_SIZES)
+        for first in (LOOSE_SIZES if loose else FIRST_SIZES, OTHER_SIZES)
     )
+    fewest = CHANGES + 1 if loose else REPORTED + 1
 
     def refine_from(sizes: list[int], start: Refinement | None, larger: int) -> Refinement:
         """Solve on the meshes ``sizes``, then on further ones, with a warm start or without.
@@ -241,8 +251,7 @@ def refine(
                 if progress:
                     progress(min(size / (nodes or most_nodes), 1.0))
             ratio = max(refinement.ratios(tolerances).values(), default=0.0)
-            # the first meshes are too coarse for an estimate that decides
-            is_last = len(refinement.meshes) > len(FIRST_SIZES) and ratio <= 1
+            is_last = len(refinement.meshes) >= fewest and ratio <= 1
             if nodes or is_last or refinement.last.size >= most_nodes:
                 refinement.meshes[-1] = _solve_to_final_tolerance(refinement.last)
                 return refinement

@@ -52,7 +52,7 @@ from math import ceil, log, log1p, pi, sqrt
 
 import numpy as np
 
-from .layers import Layers, traction_transfer
+from .layers import Layers, traction_transfers
 from .strip import compliance
 
 __all__ = ["Section", "cylinder_sections", "half_plane_sections", "traction_harmonics"]
@@ -101,15 +101,21 @@ class Section:
 
 
 def traction_harmonics(x: Array, f: Array, length: float, count: int) -> Array:
-    """Return the integrals of f(x) exp(-2 pi i n x/length), n = 0 ... count, (count + 1,) complex.
+    """Return the integrals of f(x) exp(-2 pi i n x/length), n = 0 ... count.
 
     Parameters
     ----------
-    x, f : (k,) arrays
-        Nodes in ascending order and values of a piecewise linear function; zero outside.
+    x : (k,) array
+        Nodes in ascending order.
+    f : (..., k) array
+        Values of piecewise linear functions, which are zero outside.
     length : float
         Period, in units of x.
     count : int
+
+    Returns
+    -------
+    (..., count + 1) complex array
 
     Notes
     -----
@@ -123,15 +129,19 @@ def traction_harmonics(x: Array, f: Array, length: float, count: int) -> Array:
     t = -2j * pi * x / length
     low_digits = np.exp(np.arange(block) * t[:, None])
     high_digits = np.exp(block * np.arange(-(-(count + 1) // block))[:, None] * t)
-    sums = ((high_digits * slope_jumps) @ low_digits).ravel()[: count + 1]
+
+    def sums(jumps: Array, nodes: Array) -> Array:
+        """Return the sums of jumps (..., m) at nodes (m,) times exp(-i n t), n = 1 ... count."""
+        digits = (high_digits[:, nodes] * jumps[..., None, :]) @ low_digits[nodes]
+        return digits.reshape(*jumps.shape[:-1], -1)[..., 1 : count + 1]
+
     # f jumps from zero up to f[0] at the first node, and from f[-1] down to zero at the last
-    end_jumps = ((high_digits[:, [0, -1]] * f[[0, -1]] * [1, -1]) @ low_digits[[0, -1]]).ravel()[
-        : count + 1
-    ]
+    ends = np.array([0, -1])
+    end_jumps = f[..., ends] * [1, -1]
     k = 2 * pi * np.arange(1, count + 1) / length
-    out = np.empty(count + 1, dtype=complex)
-    out[0] = np.trapezoid(f, x)
-    out[1:] = -sums[1:] / k**2 - 1j * end_jumps[1:] / k
+    out = np.empty((*f.shape[:-1], count + 1), dtype=complex)
+    out[..., 0] = np.trapezoid(f, x)
+    out[..., 1:] = -sums(slope_jumps, np.arange(x.size)) / k**2 - 1j * sums(end_jumps, ends) / k
     return out
 
 
@@ -199,15 +209,17 @@ def cylinder_sections(
         One for each depth.
     """
     roots, loads = _HalfPlaneRoots.of(layers[0][1:]), _SurfaceLoads(x, p, q, 2 * pi * radius)
-    sections = []
-    for z in depths.tolist():
-        y = -log1p(-z / radius)  # ln(R/r)
-        n = np.arange(loads.harmonics_needed(roots.slowest_decay * radius * y) + 1)
-        # B of the half-plane at all harmonics, plus its difference to B of the cylinder, which is
-        # computed at the sampled harmonics only
-        B, sampled = roots.transfer(n * y), _sampled_harmonics(n.size - 1)
-        cylinder = traction_transfer(sampled, *_split_layers(layers, y), open_bore)
-        B += _interpolated_difference(sampled, cylinder - B[:, :, sampled], n)
+    y = -np.log1p(-np.asarray(depths) / radius)  # ln(R/r)
+    counts = [loads.harmonics_needed(roots.slowest_decay * radius * each) for each in y.tolist()]
+    # B of the cylinder is computed at the sampled harmonics only
+    sampled = _sampled_harmonics(max(counts, default=MIN_HARMONICS))
+    pieces, boundaries = _cut_layers(layers, y)
+    cylinder = traction_transfers(sampled, pieces, open_bore)[boundaries]
+    interpolation, sections = _Interpolation(sampled), []
+    for k, (z, count) in enumerate(zip(depths.tolist(), counts, strict=True)):
+        # B of the half-plane at all harmonics, plus its difference to B of the cylinder
+        B = roots.transfer(np.arange(count + 1) * y[k])
+        B += interpolation.values(cylinder[k] - roots.transfer(sampled * y[k]), count)
         sections.append(loads.section(z, B * (radius / (radius - z))))
     return tuple(sections)
 
@@ -222,49 +234,55 @@ def _sampled_harmonics(last: int) -> Array:
     )
 
 
-def _interpolated_difference(sampled: Array, difference: Array, n: Array) -> Array:
-    """Interpolate the difference of B between cylinder and half-plane by polynomials of ln n.
+class _Interpolation:
+    """Interpolation from sampled harmonics to all, by polynomials of ln n.
 
     Each value is that of the polynomial through the POINTS nearest sampled harmonics (Lagrange).
 
     Parameters
     ----------
     sampled : (k,) array of int
-        Harmonics at which it was computed, ascending from 0.
-    difference : (2, 2, k) array
-    n : (n,) array of int
-        All harmonics from 0 to the last one of ``sampled``.
-
-    Returns
-    -------
-    (2, 2, n) array
+        Harmonics at which values are known, ascending from 0.
     """
-    # n = 0 has no logarithm: its value is not interpolated
-    x, targets = np.log(sampled[1:]), np.log(n[1:])
-    first = np.searchsorted(x, targets) - POINTS // 2
-    stencil = np.clip(first, 0, x.size - POINTS) + np.arange(POINTS)[:, None]
-    distance = targets - x[stencil]
-    out = np.empty((2, 2, n.size))
-    out[..., 0], out[..., 1:] = difference[..., 0], 0.0
-    for k in range(POINTS):
-        others = np.delete(np.arange(POINTS), k)
-        weight = np.prod(distance[others] / (x[stencil[k]] - x[stencil[others]]), axis=0)
-        out[..., 1:] += weight * difference[..., 1:][..., stencil[k]]
-    return out
+
+    def __init__(self, sampled: Array) -> None:
+        # n = 0 has no logarithm: its value is not interpolated
+        x, targets = np.log(sampled[1:]), np.log(np.arange(1, sampled[-1] + 1))
+        first = np.searchsorted(x, targets) - POINTS // 2
+        self.stencil = np.clip(first, 0, x.size - POINTS) + np.arange(POINTS)[:, None]
+        distance = targets - x[self.stencil]
+        self.weights = np.empty_like(distance)
+        for k in range(POINTS):
+            others = np.delete(np.arange(POINTS), k)
+            gaps = x[self.stencil[k]] - x[self.stencil[others]]
+            self.weights[k] = np.prod(distance[others] / gaps, axis=0)
+
+    def values(self, samples: Array, last: int) -> Array:
+        """Return the values at the harmonics 0 to the last one, (2, 2, last + 1).
+
+        ``samples`` are those at the sampled harmonics, (2, 2, k).
+        """
+        out = np.zeros((2, 2, last + 1))
+        out[..., 0] = samples[..., 0]
+        for stencil, weights in zip(self.stencil[:, :last], self.weights[:, :last], strict=True):
+            out[..., 1:] += weights * samples[..., 1:].take(stencil, axis=-1)
+        return out
 
 
-def _split_layers(layers: Layers, depth: float) -> tuple[Layers, Layers]:
-    """Return the layers above and below the depth ln(R/r); one that contains it is divided."""
-    upper, lower = [], list(layers)
-    while depth > 0 and lower:
-        first = lower.pop(0)
-        thickness = float(first[0] or 0.0)
-        if thickness > depth:
-            lower.insert(0, (thickness - depth, *first[1:]))
-            thickness = depth
-        upper.append((thickness, *first[1:]))
-        depth -= thickness
-    return tuple(upper), tuple(lower)
+def _cut_layers(layers: Layers, depths: Array) -> tuple[Layers, Array]:
+    """Divide layers at depths ln(R/r), (m,), and return the number of the boundary at each depth.
+
+    Boundaries are those between the layers that are returned, counted from the surface.
+    """
+    lower_edges = np.cumsum([float(layer[0] or 0.0) for layer in layers])
+    cuts = np.union1d(depths, lower_edges[:-1])
+    edges = np.concatenate([[0.0], cuts, lower_edges[-1:]])
+    layer_of_piece = np.searchsorted(lower_edges, (edges[1:] + edges[:-1]) / 2)
+    pieces = tuple(
+        (thickness, *layers[k][1:])
+        for thickness, k in zip(np.diff(edges).tolist(), layer_of_piece.tolist(), strict=True)
+    )
+    return pieces, np.searchsorted(cuts, depths)
 
 
 @dataclass(frozen=True)
@@ -282,7 +300,8 @@ class _HalfPlaneRoots:
         c11, c12, c22 = compliance(A_rr, A_tt, A_rt, *stiffness[4:])
         product = sqrt(c22 / c11)
         mean = sqrt((2 * c12 + 1 / G) / c11 + 2 * product) / 2
-        return cls(mean, product, csqrt(mean**2 - product))
+        d = csqrt(mean**2 - product)
+        return cls(mean, product, d if d.imag else d.real)  # real exponentials are faster
 
     @property
     def slowest_decay(self) -> float:
@@ -316,7 +335,7 @@ class _SurfaceLoads:
     """
 
     def __init__(self, x: Array, p: Array, q: Array, period: float) -> None:
-        self.x, self.tractions, self.period = x, (p, q), period
+        self.x, self.tractions, self.period = x, np.array([p, q]), period
         self._harmonics = np.zeros((2, 0), dtype=complex)
 
     def harmonics_needed(self, damping: float) -> int:
@@ -331,9 +350,7 @@ class _SurfaceLoads:
         """Return the stresses on one surface from the transfer B, (2, 2, n), of all harmonics."""
         count = B.shape[-1] - 1
         if count >= self._harmonics.shape[1]:
-            self._harmonics = np.array(
-                [traction_harmonics(self.x, f, self.period, count) for f in self.tractions]
-            )
+            self._harmonics = traction_harmonics(self.x, self.tractions, self.period, count)
         p, q = self._harmonics[:, : count + 1]
         size = max(POINTS_PER_WAVE << ceil(log(count, 2)), MIN_POINTS)
         x = self.period * (np.arange(size) / size - 0.5)

@@ -49,6 +49,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate
 from math import ceil, log2
 from typing import NamedTuple
 
@@ -62,7 +63,7 @@ __all__ = [
     "Layers",
     "RelaxingModuli",
     "stacked_compliance",
-    "traction_transfer",
+    "traction_transfers",
 ]
 
 Array = np.ndarray
@@ -124,28 +125,48 @@ def _blocks(n: Array, layers: Layers) -> list[Array]:
 
 
 @np.errstate(under="ignore")  # short waves vanish across a layer
-def traction_transfer(n: Array, upper: Layers, lower: Layers, open_bore: bool = False) -> Array:
-    """Return B, t = B t1, from t1 on the outer surface to t on a boundary of layers, (2, 2, n).
+def traction_transfers(n: Array, layers: Layers, open_bore: bool = False) -> Array:
+    """Return B, t = B t1, from t1 on the outer surface to t on every boundary between layers.
 
     Parameters
     ----------
     n : (n,) array of int
         Harmonics, >= 0.
-    upper, lower : sequence of (depth, A_rr, A_tt, A_rt, G, D)
-        Layers above and below the boundary, as of :func:`stacked_compliance`.
+    layers : sequence of (depth, A_rr, A_tt, A_rt, G, D)
+        L layers, as of :func:`stacked_compliance`.
     open_bore : bool
         True for an open bore, False for a rigid core.
 
-    Notes
-    -----
-    t0 = A' t1 - H w0 of the upper layers and w0 = Y t0 of the lower ones give
-    B = (I + H Y)^-1 A'.
+    Returns
+    -------
+    (L-1, 2, 2, n) array
+        The boundaries from the outer one inwards.
     """
-    n = np.asarray(n, dtype=float)
-    Y, system = stacked_compliance(n, lower, open_bore), LayerSystems.of(*upper)
-    stacks = (system.stack_matrices(block) for block in _blocks(n, upper))
-    E, _, H = (np.concatenate(parts, axis=-1) for parts in zip(*stacks, strict=True))
-    return _product(_inverse_of_identity_plus(_product(H, Y)), _identity_plus(E).swapaxes(0, 1))
+    n, system = np.asarray(n, dtype=float), LayerSystems.of(*layers)
+    parts = [
+        _transfers_through(system.layer_matrices(block), block, open_bore)
+        for block in _blocks(n, layers)
+    ]
+    return np.concatenate(parts, axis=-1)
+
+
+def _transfers_through(layers: SectionMatrices, n: Array, open_bore: bool) -> Array:
+    """Return B of every boundary, (L-1, 2, 2, n), from the matrices E, Q, H of the layers.
+
+    With the compliance Y of what lies below a layer, w0 = Y t0, its matrices give
+
+        t0 = T t1,   T = (I + H Y)^-1 A',        w1 = (Q + A Y T) t1,
+
+    so that Y follows from the core outwards, and B = T ... T from the surface inwards.
+    """
+    *above, innermost = zip(*(np.moveaxis(X, 2, 0) for X in layers), strict=True)
+    Y, across = _compliance_on_core(innermost, n, open_bore), []
+    for E, Q, H in reversed(above):
+        A = _identity_plus(E)
+        T = _product(_inverse_of_identity_plus(_product(H, Y)), A.swapaxes(0, 1))
+        Y = Q + _product(_product(A, Y), T)
+        across.append(T)
+    return np.array(list(accumulate(reversed(across), lambda B, T: _product(T, B))))
 
 
 def _compliance_on_core(stack: SectionMatrices, n: Array, open_bore: bool) -> Array:

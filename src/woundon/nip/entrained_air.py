@@ -115,7 +115,7 @@ def _compliance(problem: NipProblem, length: float) -> float:
     """
     roll, drum = (_body_compliance(body, problem.web_speed, length) for body in problem.bodies)
     if problem.drum_wrap > 0 and length > 0:
-        drum /= 1 + problem.web_tension * drum / length
+        drum /= 1 + max(problem.hoop_tension, 0.0) * drum / length
     return (roll + drum) / 2
 
 
@@ -201,7 +201,8 @@ def films_of(problem: NipProblem, gradient: float, half_width: float) -> dict[st
     InvalidProblem
         If the pressure of the inlet exceeds 100 times the ambient pressure.
     """
-    air, V, R, T = problem.air, problem.web_speed, problem.roll.radius, problem.web_tension
+    air, V, R, T = problem.air, problem.web_speed, problem.roll.radius, problem.hoop_tension
+    T = max(T, 0.0)
     assert air is not None
     assert V is not None
     p_a, mean_pressure = air.ambient_pressure, problem.nip_load / (2 * half_width)

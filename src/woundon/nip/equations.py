@@ -6,7 +6,7 @@ downstream of it.  kappa is the curvature of the web, positive with the centre i
 eps are normal displacement and strain of a surface (thesis eqs. 64 to 98, 131 to 160).
 
     gap slope      v+' + v-' + c12 (q+ + q-) - 2h F(p+)' + Delta/R* - x/R* = 0   cells of the nip
-    equilibrium    p+ - p- - T kappa = 0                                         nodes of the wraps
+    equilibrium    p+ - p- - T_h kappa = 0,    T_h = T - m V^2                   nodes of the wraps
     force          int q- dx = F
     load           int_nip p- dx = P
     tension        T = T_in + int (q+ + q-) dx
@@ -14,9 +14,11 @@ eps are normal displacement and strain of a surface (thesis eqs. 64 to 98, 131 t
                    eps = c11 (T - T(end))/2h - c12 p+
     friction law   stick: v = 0;   slip: q = s mu p, s = +1 or -1                traction nodes
 
-F(p) is the compression of the web (c22 p of a linear one).  On a wrap one face is free: p+ = 0
+F(p) is the compression of the web (c22 p of a linear one).  m V^2 is the centrifugal force of a web
+of the mass m per area at the speed V; the hoop tension T_h presses the web on what it is wrapped
+on.  On a wrap one face is free: p+ = 0
 and kappa = -kappa- on the drum, p- = 0 and kappa = kappa+ on the roll.  In the nip the web follows
-the drum, kappa = -kappa-, so that p+ = p- + T kappa is explicit.  Without a roll wrap the web is
+the drum, kappa = -kappa-, so that p+ = p- + T_h kappa is explicit.  Without a roll wrap the web is
 held to the roll at the trailing edge (thesis eq. 97), and p+ = p- = p in the nip.  If the web runs
 into a further nip at the end of the roll wrap, E is given (:mod:`.several_nips`).
 
@@ -24,7 +26,7 @@ Unknowns and Jacobian, d by a difference of two residuals (:mod:`.layout`):
 
                     p         Delta  xi  ln a   q+       q-
     gap slope    [ S           1     .    d     S        S         ]   S  slopes
-    equilibrium  [ I - T B     .     .    d    -kappa   -kappa-T B ]   B  curvatures
+    equilibrium  [ I - T_h B   .     .    d    -kappa -kappa-T_h B ]   B  curvatures
     force, load  [ w           .     .    d     .        w         ]   w  integrals
     slip         [ -c12 - E    .     1    d     L - E    L - E     ]   E  strains, L web stretch
 """
@@ -73,6 +75,7 @@ class Fields(NamedTuple):
     q_drum: Array
     transfer: Array  # int (q+ + q-) dx/a from the first node, with lumped hats (:class:`Mesh`)
     tension: Array
+    hoop_tension: Array  # T - m V^2
     roll: Deformation
     far: Deformation  # the part of ``roll`` by other nips
     drum: Deformation
@@ -268,6 +271,7 @@ class NipEquations(ContactEquations):
         q = q_roll + q_drum
         transfer = np.cumsum(mesh.weights * q)
         T = inlet_tension + a * (transfer - q * np.append(mesh.cells, 0.0) / 2)
+        hoop_tension = T - self.problem.centrifugal_tension
         on_drum = p_drum[: layout.last + 1], q_drum[: layout.last + 1]
         drum = g.drum.surface.deform(*on_drum)
         kappa_roll, kappa_drum = np.zeros(0), np.zeros(0)
@@ -277,14 +281,26 @@ class NipEquations(ContactEquations):
         inner = slice(layout.first + 1, layout.last)
         p_roll[inner] = p_drum[inner]
         if self.roll_wrap:
-            p_roll[inner] -= T[inner] * kappa_drum[inner]
+            p_roll[inner] -= hoop_tension[inner] * kappa_drum[inner]
         on_roll = p_roll[layout.first :], q_roll[layout.first :]
         roll = g.roll.surface.deform(*on_roll)
         if self.roll_wrap:
             kappa_roll = g.roll.curvature(roll.slope, *on_roll, a)
         far = Deformation(*np.zeros((2, roll.strain.size)))
         return Fields(
-            g, p_roll, p_drum, q_roll, q_drum, transfer, T, roll, far, drum, kappa_roll, kappa_drum
+            g,
+            p_roll,
+            p_drum,
+            q_roll,
+            q_drum,
+            transfer,
+            T,
+            hoop_tension,
+            roll,
+            far,
+            drum,
+            kappa_roll,
+            kappa_drum,
         )
 
     def _gap_slope(self, u: Array, f: Fields) -> Array:
@@ -300,12 +316,12 @@ class NipEquations(ContactEquations):
         return (gap - mesh.points[nip] * (a / self.problem.contact_radius)) / self.slope_scale
 
     def _normal_equilibrium(self, f: Fields) -> list[Array]:
-        """Return the residual p+ - p- - T kappa of the normal equilibrium on the wraps.
+        """Return the residual p+ - p- - T_h kappa of the normal equilibrium on the wraps.
 
         One array for each wrap, drum first, at its nodes.  On the drum p+ is zero and kappa is
         -kappa-; on the roll p- is zero and kappa is kappa+.
         """
-        layout, T, residuals = self.layout, f.tension, []
+        layout, T, residuals = self.layout, f.hoop_tension, []
         if self.drum_wrap:
             nodes = layout.drum_wrap_nodes
             residuals.append(f.p_drum[nodes] - T[nodes] * f.drum_curvature[nodes])
@@ -440,7 +456,7 @@ class Assembly:
     def _derivative_of_p_roll(self) -> Array:
         """Return dp+/du at the nodes of the roll's face.
 
-        In the nip p+ = p- + T kappa, without a roll wrap p+ = p-; on the roll wrap p+ is an
+        In the nip p+ = p- + T_h kappa, without a roll wrap p+ = p-; on the roll wrap p+ is an
         unknown.  Row 0 is zero: p+ = 0 at the leading edge.
         """
         layout, first = self.layout, self.layout.first
@@ -456,7 +472,7 @@ class Assembly:
     def _subtract_hoop(
         self, rows: Array, nodes: slice, kappa: Array, tangent: tuple[Array, Array] | None
     ) -> None:
-        """Subtract the derivatives of T kappa, dT kappa + T dkappa, from rows in place.
+        """Subtract the derivatives of T_h kappa, dT kappa + T_h dkappa, from rows in place.
 
         Parameters
         ----------
@@ -475,7 +491,7 @@ class Assembly:
         rows[:, layout.roll_q] -= kappa[:, None] * by_q[:, layout.roll_nodes]
         rows[:, layout.drum_q] -= kappa[:, None] * by_q[:, layout.drum_nodes]
         if tangent is not None:
-            T = self.fields.tension[nodes, None]
+            T = self.fields.hoop_tension[nodes, None]
             rows[:, layout.drum_p] -= T * tangent[0][nodes, layout.drum_p_nodes]
             rows[:, layout.drum_q] -= T * tangent[1][nodes, 1:-1]
 
@@ -523,7 +539,7 @@ class Assembly:
         return rows
 
     def _wrap_rows(self) -> list[Array]:
-        """Return the rows of the normal equilibrium p+ - p- - T kappa, one block for each wrap.
+        """Return the rows of the normal equilibrium p+ - p- - T_h kappa, one block for each wrap.
 
         On the drum p+ is zero, and kappa is -kappa-; on the roll p- is zero.
         """
@@ -537,7 +553,7 @@ class Assembly:
             nodes, on_face = layout.roll_wrap_nodes, slice(layout.last - layout.first, None)
             rows = np.eye(nodes.stop - nodes.start, layout.size, layout.wrap_p.start)  # dp+
             if self.kappa_roll is not None:
-                T = f.tension[nodes, None]
+                T = f.hoop_tension[nodes, None]
                 rows += self.chain_p_roll(-T * self.kappa_roll[0][on_face])
                 rows[:, layout.roll_q] -= T * self.kappa_roll[1][on_face, 1:-1]
             self._subtract_hoop(rows, nodes, f.roll_curvature[on_face], None)

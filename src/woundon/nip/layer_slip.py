@@ -10,8 +10,9 @@ the pressure P0 that is wound into the roll could be carried by friction where
 With entrained air, mu is that of the film between the layers under the pressure P0 + p
 (:meth:`woundon.nip.result.NipResult.layer_friction`): no air escapes while they pass the nip.
 
-P0(z) = T z/R close to the surface: every layer wound on with the stress T = WOT/h presses those
-below it with T h/R.  It is limited by the plateau of the stack, P of
+P0(z) = T z/R close to the surface: every layer, wound on with a tension that exceeds its
+centrifugal force by T h, presses those below it with T h/R.  It is limited by the plateau of the
+stack, P of
 
     T^2/(2 E_t) = int_0^P P' dP'/E_r(P')
 
@@ -255,7 +256,8 @@ def wound_in_pressure(result: Any, depths: Array) -> Array:
     is that without air: each layer adds T h/R, whatever its distance from the next one.
     """
     problem, z = result.problem, np.asarray(depths, dtype=float)
-    roll, T = problem.roll, max(float(result.tension[-1]), 0.0) / problem.web.thickness
+    hoop_tension = float(result.tension[-1]) - problem.centrifugal_tension
+    roll, T = problem.roll, max(hoop_tension, 0.0) / problem.web.thickness
     P0 = T * z / roll.radius
     if isinstance(roll, WoundRoll):
         P0 = np.minimum(P0, roll.wound_pressure(roll.radius - z))

@@ -6,7 +6,7 @@ Between there and the closed layer of a wound roll without nip, its tension chan
     T_closed - T = (2h/c11) (eps_closed - eps_1),
 
 eps_1 the strain of the roll's surface under nip and wrap and eps_closed that under the pressure
-T/R of a closed layer.  T_closed is the wound-on tension of the roll.
+(T - m V^2)/R of a closed layer.  T_closed is the wound-on tension of the roll.
 """
 
 from __future__ import annotations
@@ -55,7 +55,8 @@ def roll_wound_on_tension(equations: NipEquations, state: NipState) -> float:
     f, problem = state.fields, equations.problem
     at_nodes, at_points = evaluation_weights(equations, f)
     T, strain = float(at_nodes @ f.tension), float(at_points @ f.roll.strain)
-    closed_strain = problem.roll.uniform_strain(T / problem.roll.radius)  # under a closed layer
+    hoop_tension = T - problem.centrifugal_tension
+    closed_strain = problem.roll.uniform_strain(hoop_tension / problem.roll.radius)
     return T + problem.web.thickness / problem.web.compliance.c11 * (closed_strain - strain)
 
 
@@ -271,7 +272,7 @@ def _unresolved_wrap_strain(equations: NipEquations, geometry: Geometry) -> floa
 
     It is zero if the first cell resolves this change, which extends over a length of about T C.
     """
-    drum, T = equations.problem.drum, equations.problem.web_tension
+    drum, T = equations.problem.drum, equations.problem.hoop_tension
     first_cell = geometry.a * float(geometry.mesh.cells[0])
     if not equations.drum_wrap or first_cell <= T * drum.compliance:
         return 0.0

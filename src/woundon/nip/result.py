@@ -380,6 +380,13 @@ class NipResult(ContactOutputs, Result):
         return self.errors.get("nip_induced_tension", float("nan"))
 
     @property
+    def centrifugal_tension(
+        self,
+    ) -> Annotated[float, line_load("m V^2", "part of the tension taken by centrifugal force")]:
+        """m V^2, by which the web presses less on wraps [N/m]; nan without speed or density."""
+        return self.problem.centrifugal_tension or nan
+
+    @property
     def roll_wrap_traction(
         self,
     ) -> Annotated[

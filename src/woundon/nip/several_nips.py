@@ -357,7 +357,8 @@ class SeveralNips:
         """Return E of a closed layer with the tension W [N/m]."""
         R, roll = self.problem.roll.radius, self.problem.roll
         c12 = self.problem.web.compliance.c12
-        return float(self.stretch * W - c12 * W / R - roll.uniform_strain(W / R))
+        pressure = (W - self.problem.centrifugal_tension) / R
+        return float(self.stretch * W - c12 * pressure - roll.uniform_strain(pressure))
 
     # ---- Jacobian ------------------------------------------------------------------------------
 
@@ -397,7 +398,7 @@ class SeveralNips:
             blocks.equilibrium[:cells, columns] += slope[:cells] / nip.slope_scale
             # the rows of the roll wrap are the last ones but those of force and load
             nodes = nip.layout.roll_wrap_nodes
-            T = target.fields.tension[nodes, None]
+            T = target.fields.hoop_tension[nodes, None]
             face = target.fields.geometry.roll.face
             bent = face.curvature_change(slope, target.a, ends=False)[cells:]
             blocks.equilibrium[-2 - len(T) : -2, columns] -= T * bent / nip.pressure_scale
@@ -478,7 +479,8 @@ class SeveralNips:
         layout, R = nip.layout, roll.radius
         nodes, points = evaluation_weights(nip, f)
         T = float(nodes @ f.tension)
-        closed = roll.uniform_strain(T * (1 + STEP) / R) - roll.uniform_strain(T * (1 - STEP) / R)
+        low, high = ((T * (1 + k) - self.problem.centrifugal_tension) / R for k in (-STEP, STEP))
+        closed = roll.uniform_strain(high) - roll.uniform_strain(low)
         dT = last.a * (nodes @ last.mesh.integral_to_nodes)
         by_T = np.zeros(layout.size)
         by_T[layout.roll_q], by_T[layout.drum_q] = dT[layout.roll_nodes], dT[layout.drum_nodes]

@@ -22,6 +22,7 @@ from ..arguments import Option, check_type, nodes_or_rtol, tolerance, whole_numb
 from ..contact.newton import NewtonFailed
 from ..contact.refinement import (
     FIRST_SIZES,
+    LOOSE,
     REPORTED,
     MeshSolution,
     Refinement,
@@ -217,6 +218,7 @@ def _refined(
             nodes=nodes,
             tolerances=tolerances,
             most_nodes=MOST_NODES_RTOL if rtol else max_nodes,
+            loose=(rtol or default) >= LOOSE,
             start=getattr(start, "refinement", None),
             # of the same problem only the coarse meshes are solved
             last=start.refinement.last if start and start.problem == problem else None,
@@ -330,8 +332,8 @@ def _check_force(problem: Any) -> None:
     """
     T_in, F, P = problem.web_tension, problem.winding_force, problem.nip_load
     largest_tension = T_in + F + problem.roll_friction * (P + abs(F))
-    if problem.roll_wrap > 0 and largest_tension < 0:
-        raise _slack(T_in, "downstream", largest_tension)
+    if problem.roll_wrap > 0 and largest_tension < problem.centrifugal_tension:
+        raise _slack(problem, "downstream", largest_tension)
 
 
 def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> None:
@@ -351,17 +353,19 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
             ("downstream", T[layout.roll_wrap_nodes], problem.roll_wrap > 0),
             ("upstream", T[layout.drum_wrap_nodes], nip.drum_wrap > 0),
         ):
-            min_tension = float(tension.min())
-            if wrapped and min_tension <= -permitted * float(np.abs(T).max()):
-                raise _slack(problem.web_tension, name, min_tension)
+            min_tension, force = float(tension.min()), problem.centrifugal_tension
+            if wrapped and min_tension - force <= -permitted * float(np.abs(T).max()):
+                raise _slack(problem, name, min_tension)
 
 
-def _slack(T_in: float, name: str, tension: float) -> NoSteadyState:
+def _slack(problem: Any, name: str, tension: float) -> NoSteadyState:
     """Return the error for a web that is slack upstream or downstream of the nip."""
+    T_in, force = problem.web_tension, problem.centrifugal_tension
+    below = f", below its centrifugal force of {force:.4g} [N/m]" if force else " [N/m]"
     return NoSteadyState.at(
         "web_tension",
-        f"{T_in:.6g} leaves the web slack {name} of the nip: its tension falls to {tension:.4g} "
-        f"[N/m]; about {T_in - tension:.4g} or more is needed",
+        f"{T_in:.6g} leaves the web slack {name} of the nip: its tension falls to {tension:.4g}"
+        f"{below}; about {T_in - tension + force:.4g} or more is needed",
     )
 
 

@@ -18,7 +18,14 @@ import numpy as np
 
 from ..arguments import Option, check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.newton import NewtonFailed
-from ..contact.refinement import CHANGES, FINAL_TOLERANCE, Refinement, Tolerances, refine
+from ..contact.refinement import (
+    CHANGES,
+    FINAL_TOLERANCE,
+    LOOSE,
+    Refinement,
+    Tolerances,
+    refine,
+)
 from ..errors import RESOLUTION, NotConverged
 from ..parallel import one_thread
 from ..problems.messages import quote
@@ -110,13 +117,15 @@ def solve_rollers(
     check_type("problem", problem, RollerProblem)
     check_options(nodes=nodes, rtol=rtol, start=start, errors=errors)
     check_load(problem, "load")
-    tolerances = _tolerances(problem, DEFAULT_RTOL if rtol is None else float(rtol))
+    relative = DEFAULT_RTOL if rtol is None else float(rtol)
+    tolerances = _tolerances(problem, relative)
     try:
         refinement = refine(
             lambda size: RollerEquations(problem, size),
             nodes=nodes,
             tolerances=tolerances,
             most_nodes=DEFAULT_NODES if rtol is None else MOST_NODES,
+            loose=relative >= LOOSE,
             start=None if start is None else start.refinement,
             errors=errors,
             progress=progress,

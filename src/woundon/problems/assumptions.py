@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from .paths import field_quantity
+from .bending import BENDING
+from .paths import field_or_none, field_quantity
 
 __all__ = ["of_nip", "of_roll", "of_rollers", "of_winding"]
 
@@ -16,7 +17,15 @@ UNIFORM_THICKNESS = "The web has a uniform thickness across its width."
 UNLOADED_THICKNESS = "The web thickness is that without pressure, as caliper_pressure is not given."
 CALIPER_THICKNESS = "The web thickness is that under the caliper pressure."
 LANE = "The thickest lane does not change the stresses in the rest of the roll."
+BEAMS = (
+    "Drums and core of given flexural rigidity bend under their nip load as beams on two bearings."
+)
 LANES = "The lanes across the width share the web and the drum, without shear between them."
+ROTATION = (
+    "The roll is wound at a constant web speed and then stops; the core does not expand by its own "
+    "centrifugal force."
+)
+STILL_LANES = "The lanes across the width are those of a web without centrifugal force."
 BONDED = "The layers of the roll are bonded: they do not slip on each other."
 AIR = (
     "The air film is isothermal, as wide as the web, and escapes only through the web; friction "
@@ -96,6 +105,10 @@ def of_roll(problem: Any) -> tuple[str, ...]:
     axisymmetric = "The roll is axisymmetric, its layers in static equilibrium and elastic."
     change = "Temperature and shrinkage change the finished roll at once, without creep."
     changes = problem.temperature_change or problem.core_shrinkage
+    released = (
+        "The core is removed at once; layers that are relieved follow the law of the stack back: "
+        "its hysteresis, by which the pressure would fall faster, is neglected."
+    )
     return (
         axisymmetric,
         _across(problem, UNIFORM_THICKNESS),
@@ -103,6 +116,8 @@ def of_roll(problem: Any) -> tuple[str, ...]:
         "The radial stiffness depends on the pressure alone, loading and unloading alike.",
         "The layers neither slip nor creep.",
         *([change] if changes else []),
+        *_rotation(problem),
+        *([released] if problem.core_removed else []),
     )
 
 
@@ -153,20 +168,31 @@ def of_winding(problem: Any) -> tuple[str, ...]:
         "The roll is axisymmetric, its layers elastic, and without creep.",
         UNLOADED_THICKNESS if problem.caliper_pressure is None else CALIPER_THICKNESS,
         _across(problem, UNIFORM),
+        *([BEAMS] if any(field_or_none(problem, name) is not None for name in BENDING) else []),
         *([AIR] if problem.air is not None else []),
         *([FOIL_FILM] if problem.air is not None and not problem.has_nip else []),
         *_centrifugal(problem, low=float(tensions.min()), high=float(tensions.max())),
+        *_rotation(problem),
     )
+
+
+def _rotation(problem: Any) -> Iterator[str]:
+    """Yield the assumptions on the rotation of a roll whose web has a centrifugal force."""
+    if not problem.centrifugal_tension:
+        return
+    yield ROTATION
+    if problem.thickness_profile is not None:
+        yield STILL_LANES
 
 
 REFERENCE_MASS = 0.01  # of a web of unknown density: m V^2 for each 10 g/m^2 [kg/m^2]
 
 
 def _centrifugal(problem: Any, low: float, high: float) -> Iterator[str]:
-    """Yield the neglected part m V^2 of the tension, of a web whose speed is given.
+    """Yield the part m V^2 of the tension of a web whose speed is given.
 
     On a curved path with the radius R the web, of the mass m per area, presses with
-    (T - m V^2)/R on what it is wrapped on.
+    (T - m V^2)/R on what it is wrapped on.  It is neglected if the density is not given.
 
     Parameters
     ----------
@@ -174,22 +200,23 @@ def _centrifugal(problem: Any, low: float, high: float) -> Iterator[str]:
     low, high : float
         Smallest and largest web tension [N/m].
     """
-    V, grade = problem.web_speed, problem.named_grade
+    V = problem.web_speed
     if not V:
         return
     speed, tension = (field_quantity(problem, name) for name in ("web_speed", "web_tension"))
     assert speed is not None
     assert tension is not None
-    neglected = f"The centrifugal force of the web is neglected: at {speed.text(V)} it takes m V^2"
-    of_grade = None if grade is None else grade.density
-    density: float | None = getattr(problem, "density", None) or of_grade
-    if density is None:
+    if problem.density is None:
         each = f"{tension.text(REFERENCE_MASS * V**2, '.3g')} of the tension for each 10 g/m^2"
-        yield f"{neglected} = {each} (the density is not known)."
+        yield (
+            f"The centrifugal force of the web is neglected: at {speed.text(V)} it takes m V^2 = "
+            f"{each} (the density is not known)."
+        )
         return
-    force = density * problem.web.thickness * V**2
-    text = f"{neglected} = {tension.text(force, '.3g')} of the tension"
+    force = problem.centrifugal_tension
+    text = f"At {speed.text(V)} the centrifugal force of the web takes m V^2 = "
+    text += f"{tension.text(force, '.3g')} of the tension"
     if low > 0:
         least, most = f"{100 * force / high:.2g}", f"{100 * force / low:.2g}"
         text += f", {least if least == most else f'{least} to {most}'} % of the web tension"
-    yield f"{text} (density {'of the grade' if density == of_grade else 'given'})."
+    yield f"{text}."

@@ -19,7 +19,7 @@ def unused_speed(field: str, speed: float) -> str:
     """Return the warning for a speed on which nothing depends."""
     text = f"{field} = {speed:.6g} m/s is not used: the bodies are elastic and there is no air"
     if field == "web_speed":
-        text += ", and the centrifugal force of the web is neglected (see the assumptions)"
+        text += ", and without density the centrifugal force of the web is neglected"
     return text
 
 
@@ -73,8 +73,14 @@ class ContactProblem(Problem):
     def input_warnings(self) -> tuple[str, ...]:
         """Warnings about inputs that have no effect."""
         speed = getattr(self, self.speed_field)
-        has_effect = speed is None or self.rolling_speed is not None
-        return super().input_warnings if has_effect else (unused_speed(self.speed_field, speed),)
+        if speed is None or self.speed_has_effect:
+            return super().input_warnings
+        return (unused_speed(self.speed_field, speed),)
+
+    @property
+    def speed_has_effect(self) -> bool:
+        """True if the result depends on the speed that is given."""
+        return self.rolling_speed is not None
 
     @cached_property
     def viscoelastic(self) -> bool:

@@ -11,8 +11,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from math import inf
-from typing import TYPE_CHECKING, Annotated, Any, Generic, Self, TypeVar, overload
+from typing import TYPE_CHECKING, Annotated, Any, Generic, Literal, Self, TypeVar, overload
 
+import numpy as np
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -23,11 +24,13 @@ from pydantic import (
 
 from ..errors import InvalidProblem
 from .inputs import FloatWithUnit, NotAList, is_array, read_text, real_number
-from .messages import quote
+from .messages import not_one_of, quote
 from .permitted import in_brackets, unit_of
 
 __all__ = [
+    "FLAGS",
     "CoercedField",
+    "Flag",
     "Nested",
     "Number",
     "NumberOfField",
@@ -50,6 +53,21 @@ def _number(value: Any, info: ValidationInfo) -> float:
     if isinstance(value, (str, FloatWithUnit)):
         return read_text(value, info.field_name)
     return real_number(value)
+
+
+FLAGS = (
+    "false",
+    "true",
+)  # texts of a case file's values; their numbers are those of the truth values
+
+
+def _flag(value: Any) -> bool:
+    """Return a truth value, or one of its texts, as a bool."""
+    if isinstance(value, str) and value in FLAGS:
+        return value == FLAGS[True]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    raise InvalidProblem(not_one_of(value, FLAGS))
 
 
 def _number_of_field(
@@ -127,6 +145,7 @@ if TYPE_CHECKING:
     OptionalNumber = CoercedField[float | None, float | str | None]
     Numbers = CoercedField[tuple[float, ...], Iterable[float | str]]
     OptionalNumbers = CoercedField[tuple[float, ...] | None, Iterable[float | str] | None]
+    Flag = CoercedField[bool, bool | Literal["false", "true"]]
     Nested = CoercedField[T, T | Mapping[str, Any]]
     OptionalNested = CoercedField[T | None, T | Mapping[str, Any] | None]
     NumberOfField = Number
@@ -136,6 +155,7 @@ else:
     OptionalNumber = Number | None
     Numbers = Annotated[tuple[Number, ...], BeforeValidator(listed)]
     OptionalNumbers = Numbers | None
+    Flag = Annotated[bool, BeforeValidator(_flag)]
     Nested = Annotated[T, "or a table of its fields"]  # pydantic ignores the text
     OptionalNested = T | None
     # Values of a schedule: they have the unit of the field that holds the schedule.

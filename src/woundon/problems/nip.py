@@ -26,7 +26,7 @@ from .next_nip import NextNips
 from .permitted import Conditional
 from .problem import OF_FINISHED_ROLL, only_in
 from .stack import Stack
-from .web import Web
+from .web import Web, WebDensity, centrifugal_stress
 
 if TYPE_CHECKING:
     from .grades import Grade
@@ -78,25 +78,26 @@ WRAP_TABLE: Mapping[str, tuple[str, ...]] = {"wrap": ("roll_wrap", "drum_wrap", 
 
 def friction_capacity(
     nip_load: float | np.ndarray,
-    web_tension: float | np.ndarray,
+    hoop_tension: float | np.ndarray,
     drum_friction: float,
     drum_wrap: float,
 ) -> tuple[float | np.ndarray, float | np.ndarray]:
     """Return the smallest and the largest winding force that friction on the drum transmits [N/m].
 
-    It is mu P in the nip, and T_in (exp(+-mu theta) - 1) on the drum wrap (Euler-Eytelwein).
+    It is mu P in the nip, and (T_in - m V^2) (exp(+-mu theta) - 1) on the drum wrap (Euler-
+    Eytelwein).
 
     Parameters
     ----------
-    nip_load, web_tension : float or array
-        P, and T_in upstream of the drum wrap [N/m].
+    nip_load, hoop_tension : float or array
+        P, and T_in - m V^2 upstream of the drum wrap [N/m], which presses the web on the drum.
     drum_friction : float
         mu between web and drum [1].
     drum_wrap : float
         theta [rad].
     """
     nip, wrap = drum_friction * nip_load, drum_friction * drum_wrap
-    return -nip + web_tension * np.expm1(-wrap), nip + web_tension * np.expm1(wrap)
+    return -nip + hoop_tension * np.expm1(-wrap), nip + hoop_tension * np.expm1(wrap)
 
 
 class NipProblem(ContactProblem):
@@ -119,9 +120,9 @@ class NipProblem(ContactProblem):
     winding_force : float
         F = integral of q- on nip and drum wrap together = -M2/R2 [N/m]; F > 0: the drum brakes,
         F = 0: centre winding, F = -web_tension: surface winding.  In the nip
-        |F| < mu- P; a drum wrap carries mu- P + T_in (exp(mu- drum_wrap) - 1).
+        |F| < mu- P; a drum wrap carries mu- P + (T_in - m V^2) (exp(mu- drum_wrap) - 1).
     web_tension : float
-        T_in upstream of drum wrap and nip [N/m], >= 0; > 0 with a drum wrap.
+        T_in upstream of drum wrap and nip [N/m], >= 0; > m V^2 with a drum wrap.
     roll_wrap : float
         Angle from the line of centres to where the web is held to the roll [rad]: 0, or from 2 % of
         the half width downstream of the trailing edge to pi.
@@ -132,7 +133,11 @@ class NipProblem(ContactProblem):
         mu+ on the roll wrap, 1e-6 to 10; ``roll_friction`` if None.
     web_speed : float, optional
         V of web, roll and drum [m/s]; required with ``air`` (0: a film of no thickness) and with
-        viscoelastic bodies (> 0).  Otherwise nothing depends on it, and the report says so.
+        viscoelastic bodies (> 0).  With a density the web carries its centrifugal force m V^2.
+        Otherwise nothing depends on it, and the report says so.
+    density : float, optional
+        Density [kg/m^3] or basis weight, "45 gsm", of the web; with ``web_speed`` it presses on
+        what it is wrapped on with (T - m V^2)/R, m = density * web.thickness.
     air : Air, optional
         The air that the web entrains, which reduces the friction.
     next_nips : sequence of NextNip, optional
@@ -156,7 +161,7 @@ class NipProblem(ContactProblem):
     (3502.0, 3.141592653589793, None)
     """
 
-    graded: ClassVar[tuple[str, ...]] = ("web", "roll", "roll_friction", "drum_friction")
+    graded: ClassVar[tuple[str, ...]] = ("web", "roll", "roll_friction", "drum_friction", "density")
     pair: ClassVar[tuple[str, str]] = ("roll", "drum")
     speed_field: ClassVar[str] = "web_speed"
     tables: ClassVar[Mapping[str, tuple[str, ...]]] = WRAP_TABLE
@@ -175,8 +180,9 @@ class NipProblem(ContactProblem):
         "nip_induced_tension": "it is an output; a WindingProblem may prescribe it",
         "roll_body": "give roll, a cylinder or a wound roll",
         **only_in("WindingProblem", "tension_law", "limits"),
-        **only_in("WindingProblem", "density", "gauge_excess", "caliper_pressure"),
+        **only_in("WindingProblem", "gauge_excess", "caliper_pressure"),
         **only_in("WindingProblem", "thickness_profile", "oscillation"),
+        **only_in("WindingProblem", "drum_bending", "core_bending"),
         **only_in("RollProblem", *OF_FINISHED_ROLL),
         **only_in("RollerProblem", "motion"),
     }
@@ -209,6 +215,7 @@ class NipProblem(ContactProblem):
         Field(ge=0, le=1e4),
         Conditional("required with air or a viscoelastic body"),
     ] = default(None)
+    density: WebDensity = default(None)
     air: Annotated[OptionalNested[Air], Field(description="entrained air")] = default(None)
     next_nips: Annotated[
         NextNips, Field(max_length=5, description="further nips of the laid web, in its direction")
@@ -288,13 +295,16 @@ class NipProblem(ContactProblem):
     @model_validator(mode="after")
     def _check_steady_state(self) -> Self:
         """Reject a slack web on a drum wrap, and a winding force that exceeds the friction."""
-        if self.drum_wrap > 0 and self.web_tension == 0:
+        if self.drum_wrap > 0 and self.hoop_tension <= 0:
+            force = self.centrifugal_tension
+            needed = f"{force:.6g} [N/m], its centrifugal force" if force else "0 [N/m]"
             raise InvalidProblem.at(
                 "web_tension",
-                "0 is out of range: a web wrapped on the drum must be taut, > 0 [N/m]",
+                f"{self.web_tension:.6g} is out of range: a web wrapped on the drum must be taut, "
+                f"> {needed}",
             )
         low, high = friction_capacity(
-            self.nip_load, self.web_tension, self.drum_friction, self.drum_wrap
+            self.nip_load, self.hoop_tension, self.drum_friction, self.drum_wrap
         )
         if not low < self.winding_force < high:
             raise NoSteadyState.at(
@@ -331,6 +341,21 @@ class NipProblem(ContactProblem):
         if self.air is not None:
             yield "air", "the web entrains air"
         yield from super().uses_of_speed()
+
+    @cached_property
+    def centrifugal_tension(self) -> float:
+        """m V^2 of the web [N/m]; 0 without web speed or density."""
+        return centrifugal_stress(self.density, self.web_speed) * self.web.thickness
+
+    @property
+    def hoop_tension(self) -> float:
+        """T_in - m V^2, with which the web presses on what it is wrapped on [N/m]."""
+        return self.web_tension - self.centrifugal_tension
+
+    @property
+    def speed_has_effect(self) -> bool:
+        """True with a density, entrained air or a viscoelastic body."""
+        return self.density is not None or super().speed_has_effect
 
     @cached_property
     def linear(self) -> bool:
@@ -371,7 +396,7 @@ class NipProblem(ContactProblem):
         if self.air is None:
             return self
         changes: dict[str, Any] = {"air": None}
-        if not self.viscoelastic:
+        if not self.viscoelastic and self.density is None:
             changes["web_speed"] = None  # only the air depends on it
         if roll_friction is not None and roll_friction != self.roll_friction:
             changes["roll_friction"] = roll_friction
@@ -390,7 +415,11 @@ class NipProblem(ContactProblem):
             for name in self.pair
             if getattr(getattr(self, name), "hardening", "") == "frozen"
         )
-        return ("web.material.shear_exponent", *frozen)
+        return (
+            "web.material.shear_exponent",
+            *frozen,
+            *(("density",) if self.web_speed is None else ()),
+        )
 
     @property
     def assumptions(self) -> tuple[str, ...]:

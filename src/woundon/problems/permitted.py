@@ -109,6 +109,8 @@ def admissible(field: FieldInfo) -> str:
             names = f"a number{in_brackets(unit_of(field))} or a {names}"
         by_name = ", or a name that 'woundon materials' lists" if "Isotropic" in names else ""
         return f"{names} (or a table of its fields{by_name})"
+    if field.annotation is bool:
+        return "false or true"
     words = [part for part in get_args(field.annotation) if isinstance(part, str)]  # of a Literal
     if words:
         return one_of(map(repr, words))

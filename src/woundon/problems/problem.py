@@ -20,6 +20,7 @@ OF_FINISHED_ROLL = (
     "radial_expansion",
     "core_expansion",
     "core_shrinkage",
+    "core_removed",
 )
 
 

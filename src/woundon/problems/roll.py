@@ -14,7 +14,7 @@ from ..quantities import Quantity, length, share, strain, stress, tension, thick
 from .air_law import AirBetween
 from .assumptions import of_roll
 from .description import Description
-from .fields import Nested, Number, OptionalNested, OptionalNumber, default
+from .fields import Flag, Nested, Number, OptionalNested, OptionalNumber, default
 from .materials import Isotropic, OptionalMaterial
 from .messages import quote
 from .permitted import Conditional, is_within
@@ -31,7 +31,7 @@ from .schedules import (
 )
 from .stack import AnyStack, Stack
 from .thickness_profile import Oscillation, ThicknessProfile, faults_across, warnings_across
-from .web import CaliperPressure, WebDensity
+from .web import CaliperPressure, WebDensity, WebSpeed, centrifugal_stress
 
 if TYPE_CHECKING:
     from .grades import Grade
@@ -165,6 +165,10 @@ class RollProblem(Problem):
         density depend on it, pressures and stresses do not.
     density : float, optional
         Density of the web [kg/m^3]; with it the result contains the mass of the roll.
+    web_speed : float, optional
+        V [m/s].  With the density the web carries its centrifugal force m V^2: it presses with
+        WOT - m V^2, and the layers carry the body force of a roll that runs at this surface speed.
+        The finished roll is at rest.
     gauge_excess : float
         d, relative additional thickness of a lone thick lane across the width [1], in closed form.
         It affects only the margin and the ridge height of that lane.
@@ -178,6 +182,8 @@ class RollProblem(Problem):
         Coefficients of thermal expansion along the web, through the stack, of the core [1/K].
     core_shrinkage : float
         Relative shrinkage of the unloaded core of the finished roll [1].
+    core_removed : bool
+        True for a roll that is taken off its core or mandrel after winding.
 
     Raises
     ------
@@ -203,9 +209,8 @@ class RollProblem(Problem):
         **only_in("WindingProblem", "drum", "roll_friction", "drum_friction", "nip_load"),
         **only_in("WindingProblem", "winding_force", "torque_split", "roll_wrap", "drum_wrap"),
         **only_in("NipProblem", "next_nips"),
-        **only_in(
-            "WindingProblem", "winder", "wrap_friction", "roll_body", "web_speed", "air", "width"
-        ),
+        **only_in("WindingProblem", "winder", "wrap_friction", "roll_body", "air", "width"),
+        **only_in("WindingProblem", "drum_bending", "core_bending"),
         **only_in("RollerProblem", "upper", "lower", "load", "friction", "tangential_load"),
         **only_in("RollerProblem", "creepage", "motion", "speed"),
     }
@@ -227,6 +232,7 @@ class RollProblem(Problem):
     wound_on_tension: Annotated[WindingSchedule, tension("WOT", "wound-on tension", (50.0, 1500.0))]
     caliper_pressure: CaliperPressure = default(None)
     density: WebDensity = default(None)
+    web_speed: WebSpeed = default(None)
     temperature_change: Annotated[
         Number,
         Quantity("dT", "K", "temperature change of the finished roll", typical=(-40, 40)),
@@ -256,6 +262,9 @@ class RollProblem(Problem):
     core_shrinkage: Annotated[
         Number, strain("e_c", "shrinkage of the core in the finished roll"), Field(ge=-0.1, le=0.1)
     ] = default(0.0)
+    core_removed: Annotated[
+        Flag, Field(description="the core or mandrel is removed after winding")
+    ] = default(False)
 
     @model_validator(mode="after")
     def _check_build_up(self) -> Self:
@@ -314,11 +323,39 @@ class RollProblem(Problem):
                 f"{quote(getattr(schedule, name))} is out of range; the tension at the surface "
                 "must be > 0 [N/m]",
             )
+        self._check_centrifugal_force()
+
+    def _check_centrifugal_force(self) -> None:
+        """Reject a tension that does not hold the running web on the roll."""
+        force = self.centrifugal_tension
+        if not force:
+            return
+        curve = self.tension_curve
+        r = np.union1d(np.linspace(self.core.radius, self.radius, 2001), curve.kinks)
+        tension = curve.at(r) * self.web_thickness
+        k = int(np.argmin(tension))
+        if tension[k] <= force:
+            raise InvalidProblem.at(
+                "wound_on_tension",
+                f"{quote(float(tension[k]))} at the radius {r[k]:.6g} [m] is out of range; must be "
+                f"> {force:.6g} [N/m], the centrifugal force density * web_thickness * "
+                "web_speed^2, or the web lifts off the roll",
+            )
 
     @property
     def tension_curve(self) -> Curve:
         """The wound-on stress T = WOT/2h over the radius [Pa]."""
         return Curve(self.wound_on_tension, self.core.radius, self.radius, 1 / self.web_thickness)
+
+    @property
+    def centrifugal_stress(self) -> float:
+        """rho V^2 of the running web [Pa]; 0 without web speed or density."""
+        return centrifugal_stress(self.density, self.web_speed)
+
+    @property
+    def centrifugal_tension(self) -> float:
+        """m V^2 of the running web [N/m]; 0 without web speed or density."""
+        return self.centrifugal_stress * self.web_thickness
 
     @property
     def unused(self) -> tuple[str, ...]:
@@ -328,9 +365,11 @@ class RollProblem(Problem):
         return (
             "stack.shear_exponent",  # an axisymmetric roll is not sheared
             *(expansions if self.temperature_change == 0 else ()),
+            *(("core_shrinkage", "core_expansion") if self.core_removed else ()),
             *(() if expands else ("temperature_change",)),
             *unused_in_tapers(self, ("wound_on_tension",)),
             *(("oscillation",) if self.thickness_profile is None else ()),
+            *(("web_speed",) if self.density is None else ()),
         )
 
     @property

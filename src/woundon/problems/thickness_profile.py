@@ -16,7 +16,14 @@ from .fields import Number, Numbers, OptionalNumbers, check_equal_lengths, check
 from .messages import quote
 from .units import parse
 
-__all__ = ["Lanes", "Oscillation", "ThicknessProfile", "faults_across", "warnings_across"]
+__all__ = [
+    "Lanes",
+    "Oscillation",
+    "ThicknessProfile",
+    "faults_across",
+    "means_between",
+    "warnings_across",
+]
 
 Array = np.ndarray
 
@@ -200,10 +207,10 @@ class ThicknessProfile(Description):
             raise InvalidProblem.at("count", text)
         oscillation = _amplitude(oscillation)
         ends = np.linspace(self.position[0], self.position[-1], count + 1)
-        thickness = _means(self.position, self.thickness, ends, oscillation)
+        thickness = means_between(self.position, self.thickness, ends, oscillation)
         slack = np.zeros(count)
         if self.slack is not None:
-            slack = _means(self.position, self.slack, ends, oscillation)
+            slack = means_between(self.position, self.slack, ends, oscillation)
         excess = self.variation * (thickness / np.mean(thickness) - 1)
         middle, shares = (ends[1:] + ends[:-1]) / 2, np.full(count, 1 / count)
         return Lanes(middle, shares, excess - np.mean(excess), slack)
@@ -236,7 +243,9 @@ def _amplitude(oscillation: float | str) -> float:
     return amplitude
 
 
-def _means(position: Iterable[float], values: Iterable[float], ends: Array, moved: float) -> Array:
+def means_between(
+    position: Iterable[float], values: Iterable[float], ends: Array, moved: float = 0.0
+) -> Array:
     """Return the means of a piecewise linear function between ``ends``, and over all shifts of it.
 
     Parameters

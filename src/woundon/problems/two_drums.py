@@ -12,17 +12,19 @@ below the roll to the front drum, and on to the rider roll on top::
 Balance of the roll with the web in its nips, per metre of width.  A drum presses with the load P_k
 along the line of centres, and its traction pulls the roll back with the force F_k (F_k < 0: it
 drives).  The web leaves the rear drum along the common tangent of drum and roll and pulls with
-T_in; with a drum wrap F_1 contains the traction on it, so that T_in + F_1 is the force in either
-case.  M is the torque of the core in the direction of rotation, and the rider idles, F_3 = 0:
+T_in - m V^2, its tension less the momentum m V^2 that it brings to the roll; the roll takes up its
+moment of momentum, so that the balance of moments contains T_in alone.  With a drum wrap F_1
+contains the traction on it, so that T_in + F_1 is the force in either case.  M is the torque of the
+core in the direction of rotation, and the rider idles, F_3 = 0:
 
     moment       F_1 + F_2 + F_3 = -T_in + M/R,    F_1 = -s T_in,  s the torque split
-    horizontal   P_1 sin a - P_2 sin b = (T_in + F_1) cos a + F_2 cos b
-    vertical     P_1 cos a + P_2 cos b = V - (T_in + F_1) sin a + F_2 sin b
+    horizontal   P_1 sin a - P_2 sin b = H cos a + F_2 cos b
+    vertical     P_1 cos a + P_2 cos b = V - H sin a + F_2 sin b
 
-with V the weight and the rider's load P_3.  The solution is
+with H = T_in + F_1 - m V^2, V the weight and the rider's load P_3.  The solution is
 
-    P_1 = (V sin b + (T_in + F_1) cos(a + b) + F_2)/sin(a + b)
-    P_2 = (V sin a - (T_in + F_1) - F_2 cos(a + b))/sin(a + b)
+    P_1 = (V sin b + H cos(a + b) + F_2)/sin(a + b)
+    P_2 = (V sin a - H - F_2 cos(a + b))/sin(a + b)
 """
 
 from __future__ import annotations
@@ -35,9 +37,10 @@ import numpy as np
 from pydantic import Field
 
 from ..quantities import Quantity, length, line_load, pure
+from .bending import DrumBending
 from .bodies import AnyBody, OptionalBody
 from .description import Description
-from .fields import Number, OptionalNumber, default
+from .fields import Number, OptionalNested, OptionalNumber, default
 from .messages import quote
 from .permitted import Conditional
 from .schedules import WindingSchedule
@@ -74,6 +77,8 @@ class TwoDrums(Description):
         ``drum_friction``.
     core_mass : float
         Mass of core and shaft per metre of width [kg/m].
+    front_bending, rider_bending : DrumBending, optional
+        Bending and crown of front drum and rider across the width; with a thickness profile.
 
     Raises
     ------
@@ -123,6 +128,16 @@ class TwoDrums(Description):
         Quantity("m_c", "kg/m", "mass of core and shaft, per width", typical=(0.0, 50.0)),
         Field(ge=0, le=1e5),
     ] = default(0.0)
+    front_bending: Annotated[
+        OptionalNested[DrumBending],
+        Field(description="bending and crown of the front drum"),
+        Conditional("only with thickness_profile"),
+    ] = default(None)
+    rider_bending: Annotated[
+        OptionalNested[DrumBending],
+        Field(description="bending and crown of the rider roll"),
+        Conditional("only with thickness_profile"),
+    ] = default(None)
 
     def geometry_faults(
         self, rear_radius: float, smallest: float, largest: float
@@ -225,6 +240,7 @@ def balanced_loads(
     weight: Array,
     rider_load: Array,
     web_tension: Array,
+    centrifugal: float,
     rear_force: Array,
     core_force: Array,
 ) -> DrumLoads:
@@ -240,12 +256,14 @@ def balanced_loads(
         Between the drums [m].
     weight, rider_load, web_tension, rear_force : (k,) arrays
         W, P_3, T_in and F_1 [N/m].
+    centrifugal : float
+        m V^2 [N/m].
     core_force : (k,) array
         M/R, force of the core torque at the surface of the roll [N/m].
     """
     a, b = angles_at_drums(radius, *drum_radii, gap)
     front_force = core_force - web_tension - rear_force
-    down, back = weight + rider_load, web_tension + rear_force  # V, and the pull at the rear drum
+    down, back = weight + rider_load, web_tension + rear_force - centrifugal  # V and H
     arc = a + b
     return DrumLoads(
         radius=radius,

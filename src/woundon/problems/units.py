@@ -178,6 +178,7 @@ MILL = {
     "m/min": "fpm",
     "kg/m": "lb/ft",
     "kg/m^3": "lb/ft^3",
+    "N*m^2": "lbf*in^2",
     "N*m": "lbf*ft",
     "kW": "hp",
     "kg*m^2": "lb*ft^2",

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, SerializeAsAny
 
 from ..elasticity.strip import Compliance, compliance
 from ..errors import InvalidProblem
-from ..quantities import Quantity, density_of_web, stress, thickness_of_web
+from ..quantities import Quantity, density_of_web, stress, thickness_of_web, velocity
 from .description import Description
 from .fields import Number, OptionalNumber
 from .inputs import Inputs, is_basis_weight, read_number
@@ -24,9 +24,10 @@ from .stack import Stack
 if TYPE_CHECKING:
     from .fields import CoercedField
 
-__all__ = ["CaliperPressure", "Web", "WebDensity"]
+__all__ = ["CaliperPressure", "Web", "WebDensity", "WebSpeed", "centrifugal_stress"]
 
 WebDensity = Annotated[OptionalNumber, density_of_web((500.0, 1500.0)), Field(gt=0, le=3e4)]
+WebSpeed = Annotated[OptionalNumber, velocity("V", "web speed", (1.0, 50.0)), Field(ge=0, le=200)]
 CaliperPressure = Annotated[
     OptionalNumber,
     stress("p_c", "pressure under which the web thickness was measured", typical=(2e3, 100e3)),
@@ -34,6 +35,12 @@ CaliperPressure = Annotated[
 ]
 
 Array = np.ndarray
+
+
+def centrifugal_stress(density: float | None, speed: float | None) -> float:
+    """Return rho V^2 of a running web [Pa]; 0 if density [kg/m^3] or speed [m/s] is not given."""
+    return 0.0 if density is None or speed is None else density * speed**2
+
 
 _ONLY_FOR_BASIS_WEIGHT = (
     "converts a thickness that is given as a basis weight; must be left out here"

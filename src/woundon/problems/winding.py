@@ -14,6 +14,7 @@ from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import length, line_load, pure, tension, velocity
 from .air import Air, with_film
 from .assumptions import of_winding
+from .bending import Bending, DrumBending, faults_of_bending
 from .bodies import Body, OptionalBody, Rigid
 from .consistency import different_moduli
 from .contact_problem import unused_speed
@@ -55,7 +56,7 @@ from .schedules import (
 from .stack import AnyStack, Stack
 from .thickness_profile import Oscillation, ThicknessProfile, faults_across, warnings_across
 from .two_drums import DrumLoads, TwoDrums, balanced_loads, roll_weight
-from .web import CaliperPressure, Web, WebDensity
+from .web import CaliperPressure, Web, WebDensity, centrifugal_stress
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -63,7 +64,7 @@ if TYPE_CHECKING:
     from .fields import CoercedField
     from .grades import Grade
 
-__all__ = ["WindingProblem"]
+__all__ = ["SCHEDULES", "WindingProblem", "schedule_limits"]
 
 Array = np.ndarray
 LAWS = ("nip", "friction", "fixed")
@@ -89,6 +90,16 @@ OF_NIP_ALONE = ("web.material", "roll_wrap", "roll_body")
 ROUNDED = 1e-9  # by which a radius may lie outside of the roll
 HELD = 0.8  # largest part of the arc from the last nip to the rear drum that is the roll wrap
 CHECKED_RADII = 257  # radii, in addition to all kinks, at which a steady state must exist
+
+
+def schedule_limits(name: str, *, has_winder: bool) -> tuple[float, float]:
+    """Return the smallest and the largest permitted value of a schedule, SI units.
+
+    >>> schedule_limits("torque_split", has_winder=False)
+    (0.0, 1.0)
+    """
+    limits = SCHEDULES | WITH_WINDER if has_winder else SCHEDULES
+    return limits[name]
 
 
 def _law(value: Any, info: ValidationInfo) -> Any:
@@ -157,8 +168,16 @@ class WindingProblem(Problem):
         Thickness across the width, instead of ``gauge_excess``: the result then has ``lanes``.
     oscillation : float
         Amplitude by which the web moves to and fro across the roll [m]: the profile is averaged.
+    drum_bending : DrumBending, optional
+        Bending and crown of the drum across the width; with a thickness profile, which may be even,
+        and tension_law "nip".  By default the drum is straight.
+    core_bending : Bending, optional
+        Bending of the core, with the roll on it, under the nip load; as ``drum_bending``, without a
+        winder.
     web_speed : float, optional
         V [m/s], needed with air or a viscoelastic drum, and for torque and power of the drives.
+        With the density the web carries its centrifugal force m V^2 in nips and roll; the finished
+        roll is at rest.
     air : Air, optional
         Entrained air reduces the friction in the nip and softens the roll; with tension_law "nip".
     limits : Limits
@@ -271,6 +290,16 @@ class WindingProblem(Problem):
         Field(description="thickness of the web across its width"),
     ] = default(None)
     oscillation: Oscillation = default(0.0)
+    drum_bending: Annotated[
+        OptionalNested[DrumBending],
+        Field(description="bending and crown of the drum"),
+        Conditional("only with thickness_profile"),
+    ] = default(None)
+    core_bending: Annotated[
+        OptionalNested[Bending],
+        Field(description="bending of the core with the roll"),
+        Conditional("only with thickness_profile"),
+    ] = default(None)
     limits: Annotated[Nested[Limits], Field(description="limits of web, roll and core")] = default(
         Limits()
     )
@@ -291,7 +320,7 @@ class WindingProblem(Problem):
     def _check_winding(self) -> Self:
         """Check the roll, the schedules and their combination."""
         try:  # checks core, number of layers and density; with any tension
-            self.wound_roll(wound_on_tension=1.0)
+            self.wound_roll(wound_on_tension=1e6)
         except InvalidProblem as fault:
             own_names = {"web_thickness": "web.thickness"}  # by the name of the field of a roll
             faults = [(own_names.get(field, field), text) for field, text in fault.faults]
@@ -299,6 +328,7 @@ class WindingProblem(Problem):
         faults = [fault for name in SCHEDULES for fault in self._faults_of(name)]
         faults += self._contradictions()
         faults += faults_across(self, self.width)
+        faults += faults_of_bending(self)
         if self.winder is not None:
             faults += self._contradictions_of_winder(self.winder)
         if faults:
@@ -407,6 +437,16 @@ class WindingProblem(Problem):
         return bodies
 
     @property
+    def centrifugal_tension(self) -> float:
+        """m V^2 of the web [N/m]; 0 without web speed or density."""
+        return centrifugal_stress(self.density, self.web_speed) * self.web.thickness
+
+    @property
+    def _speed_has_effect(self) -> bool:
+        """True with a density, entrained air or a viscoelastic drum."""
+        return self.density is not None or self.air is not None or bool(self._viscoelastic_drums)
+
+    @property
     def _viscoelastic_drums(self) -> list[str]:
         """Dotted names of the drums that are viscoelastic."""
         return [name for name, drum in self.drums.items() if drum.viscoelastic]
@@ -420,8 +460,8 @@ class WindingProblem(Problem):
             *self.stack.input_warnings("stack"),
             *warnings_across(self, self.web.thickness),
         ]
-        used = self.air is not None or self._viscoelastic_drums or self.width is not None
-        if self.web_speed is not None and not used:
+        has_effect = self._speed_has_effect or self.width is not None  # powers of the drives
+        if self.web_speed is not None and not has_effect:
             texts.append(unused_speed("web_speed", self.web_speed))
         if self.drum is not None and not self.has_nip:
             texts.append("drum is not used, as nip_load = 0")
@@ -435,9 +475,7 @@ class WindingProblem(Problem):
         schedule = field_or_none(self, name)
         if schedule is None or isinstance(schedule, str):
             return
-        low, high = SCHEDULES[name]
-        if self.winder is not None:
-            low, high = WITH_WINDER.get(name, (low, high))
+        low, high = schedule_limits(name, has_winder=self.winder is not None)
         quantity = field_quantity(self, name)
         unit = "" if quantity is None else in_brackets(quantity.unit)
         must = f"must be >= {low:g} and <= {high:g}{unit}"
@@ -524,7 +562,8 @@ class WindingProblem(Problem):
     def _friction_capacity(self, P: Array, T: Array) -> tuple[float | Array, float | Array]:
         """Return the limits of the winding force under P and T_in, (k,) arrays [N/m]."""
         assert self.drum_friction is not None  # required with a nip
-        return friction_capacity(P, T, self.drum_friction, self.drum_wrap)
+        hoop_tension = T - self.centrifugal_tension
+        return friction_capacity(P, hoop_tension, self.drum_friction, self.drum_wrap)
 
     @property
     def front_friction(self) -> float:
@@ -596,6 +635,7 @@ class WindingProblem(Problem):
             roll_weight(r, self.core.radius, self.density, self.winder.core_mass),
             self.at("winder.rider_load", r),
             self.at("web_tension", r),
+            self.centrifugal_tension,
             self.at("winding_force", r),
             self.at("winder.core_torque", r) / r,
         )
@@ -664,8 +704,10 @@ class WindingProblem(Problem):
         fields |= {name: float(self.at(name, radius)) for name in LOADS}
         if self.winder is not None:
             fields |= self._next_nips(self.winder, radius)
-        if self._viscoelastic_drums or self.air is not None:  # else a warning that it has no effect
+        if self._speed_has_effect:  # else a warning that it has no effect
             fields |= {"web_speed": self.web_speed, "air": self.air}
+        if self.web_speed is not None:
+            fields["density"] = self.density
         return NipProblem(**fields, roll=roll)
 
     def _next_nips(self, winder: TwoDrums, radius: float) -> dict[str, Any]:
@@ -708,6 +750,7 @@ class WindingProblem(Problem):
             wound_on_tension=wound_on_tension,
             caliper_pressure=self.caliper_pressure,
             density=self.density,
+            web_speed=self.web_speed,
             gauge_excess=self.gauge_excess,
         )
         if self.air is None:

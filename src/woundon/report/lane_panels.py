@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,18 @@ DRAWN = 0.15  # height of the largest ridge in the drawing of the roll, of its r
 ENLARGEMENTS = (1, 2, 5)  # times a power of ten
 MARGIN = 0.06  # below and above curves, of their range
 GAP = 0.06  # of the width, between the end of the roll and the bar of the scale
+# Symbol, label and colour of the loads of several nips, and of several deflections.
+DRUMS = {
+    "nip_load": ("P_1", "rear drum", "roll"),
+    "front_load": ("P_2", "front drum", "green"),
+    "rider_load": ("P_3", "rider", "purple"),
+}
+DEFLECTIONS = {
+    "drum_deflection": ("w_d", "drum", "roll"),
+    "core_deflection": ("w_c", "core", "drum"),
+    "front_deflection": ("w_2", "front drum", "green"),
+    "rider_deflection": ("w_3", "rider", "purple"),
+}
 
 
 def lane_panels(result: Any) -> dict[str, PanelMaker]:
@@ -32,7 +45,8 @@ def lane_panels(result: Any) -> dict[str, PanelMaker]:
     - lane_pressure, lane_tension: maps over the position across the web and the radius
     - roll_surface: the roll from the front, its ridges enlarged, with a scale
     - hardness_across: modulus through the stack below the surface, as a hardness tester measures it
-    - nip_load_across: nip load on the lanes of the finished roll, if nips are solved
+    - nip_load_across: loads of the nips on the lanes of the finished roll, if nips are solved
+    - deflection_across: deflection of drums and core under these loads, if they are beams
     """
     if result.problem.thickness_profile is None:
         return {}
@@ -43,7 +57,10 @@ def lane_panels(result: Any) -> dict[str, PanelMaker]:
         "thickness_across": PanelMaker(thickness_across),
         "hardness_across": PanelMaker(hardness_across),
         "nip_load_across": PanelMaker(nip_load_across),
+        "deflection_across": PanelMaker(deflection_across),
     }
+    if not any(name in result.lanes for name in DEFLECTIONS):
+        del panels["deflection_across"]
     if np.isnan(result.lanes.nip_load.values).any():
         del panels["nip_load_across"]
     return panels
@@ -209,13 +226,31 @@ def hardness_across(result: Any) -> Panel:
 
 
 def nip_load_across(result: Any) -> Panel:
-    """Return the panel of the nip load on the lanes of the finished roll."""
-    lanes, quantity = result.lanes, LANE_QUANTITIES["nip_load"]
-    curve = Curve("nip_load", lanes.position.values, lanes.nip_load.values[-1], quantity.symbol)
-    return _panel(
-        "nip_load_across",
-        "Nip load on the lanes of the finished roll",
-        lanes,
-        Axis("Nip load $P$", quantity, from_zero=True),
-        curves=(curve,),
-    )
+    """Return the panel of the loads of the nips on the lanes of the finished roll."""
+    title, y = "Nip load on the lanes of the finished roll", "Nip load $P$"
+    return _of_drums(result, "nip_load_across", title, y, DRUMS)
+
+
+def deflection_across(result: Any) -> Panel:
+    """Return the panel of the deflection of drums and core under the load of the finished roll."""
+    title, y = "Deflection under the load on the finished roll", "Deflection $w$"
+    return _of_drums(result, "deflection_across", title, y, DEFLECTIONS)
+
+
+def _of_drums(
+    result: Any, name: str, title: str, label: str, drums: Mapping[str, tuple[str, str, str]]
+) -> Panel:
+    """Return the panel of variables of drums on the lanes of the finished roll.
+
+    ``drums`` has their names with symbol, label and colour; one curve alone is not labelled.
+    """
+    lanes, curves = result.lanes, []
+    variables = [variable for variable in drums if variable in lanes]
+    for variable in variables:
+        symbol, label_of_drum, colour = drums[variable]
+        if len(variables) == 1:
+            symbol, label_of_drum = LANE_QUANTITIES[variable].symbol, ""
+        values = lanes[variable].values[-1]
+        curves.append(Curve(variable, lanes.position.values, values, symbol, label_of_drum, colour))
+    y = Axis(label, LANE_QUANTITIES[variables[0]], from_zero=True)
+    return _panel(name, title, lanes, y, curves=tuple(curves))

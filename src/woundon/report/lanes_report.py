@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import nan
 from typing import Any
 
@@ -10,7 +11,8 @@ import numpy as np
 
 from ..problems.thickness_profile import ThicknessProfile
 from ..quantities import share
-from ..roll.lane_roll import LANE_QUANTITIES, POSITION, slack_lanes
+from ..roll.lane_roll import LANE_QUANTITIES, NIP_LOADS, POSITION, slack_lanes
+from .lane_panels import DRUMS
 from .report_parts import Row, Section, field_row, quantity_of, row_of
 
 __all__ = ["WORST_LANE", "lanes_sections"]
@@ -25,6 +27,7 @@ NAMES = (
     "strain",
     "ridge_height",
 )
+EXACT = 12  # digits of a deviation
 # outputs that the section shows; the rest is in its text
 WORST_LANE = frozenset(f"worst_lane.{name}" for name in (*NAMES, "slack_share"))
 
@@ -45,10 +48,11 @@ def lanes_sections(result: Any) -> Iterator[Section]:
         *_spread(problem.thickness_profile),
         *([field_row(problem, "oscillation")] if problem.oscillation else []),
         *(_worst(result, name) for name in NAMES),
+        *_deflections(result),
     ]
     texts = [
         f"{lanes.position.size} lanes across the width.",
-        _nip_load(lanes),
+        _nip_loads(lanes),
         _slack_lanes(lanes),
         _neglected(result.problem),
     ]
@@ -58,7 +62,8 @@ def lanes_sections(result: Any) -> Iterator[Section]:
 def _range(meaning: str, symbol: str, excess: Array) -> list[Row]:
     """Return the rows of the smallest and the largest deviation of the thickness."""
     return [
-        row_of(share(symbol, f"{word} {meaning}"), float(value))
+        # the deviations of an even web are rounding errors
+        row_of(share(symbol, f"{word} {meaning}"), round(float(value), EXACT) + 0.0)
         for word, value in (("smallest", excess.min()), ("largest", excess.max()))
     ]
 
@@ -70,6 +75,21 @@ def _worst(result: Any, name: str) -> Row:
     return row_of(quantity_of(type(result), output), getattr(result.worst_lane, name), error)
 
 
+def _deflections(result: Any) -> list[Row]:
+    """Return the rows of the deflections of drums and core, and of the crown of an even load."""
+    lanes = result.lanes
+    rows = []
+    for name in LANE_QUANTITIES:
+        if not name.endswith("_deflection") or name not in lanes:
+            continue
+        quantity, deflection = LANE_QUANTITIES[name], lanes[name].values[-1]
+        meaning = quantity.meaning.replace("deflection", "range of the deflection", 1)
+        rows.append(row_of(replace(quantity, meaning=meaning), float(np.ptp(deflection))))
+    if "drum_deflection" in lanes:
+        rows.append(row_of(quantity_of(type(result), "even_crown"), result.even_crown))
+    return rows
+
+
 def _spread(profile: ThicknessProfile) -> list[Row]:
     """Return the row of the largest standard deviation between scans, if several were taken."""
     if profile.spread is None:
@@ -78,16 +98,19 @@ def _spread(profile: ThicknessProfile) -> list[Row]:
     return [row_of(share("s_h", meaning), max(profile.spread) / profile.mean)]
 
 
-def _nip_load(lanes: Any) -> str:
-    """Return a sentence on the nip load of the lanes; "" without solved nips."""
-    load = lanes.nip_load.values
-    if np.isnan(load).any():
+def _nip_loads(lanes: Any) -> str:
+    """Return a sentence on the loads of the nips on the lanes; "" without solved nips."""
+    names = [name for name in NIP_LOADS if name in lanes]
+    if np.isnan(lanes.nip_load.values).any():
         return ""
-    quantity = LANE_QUANTITIES["nip_load"]
-    low, high = quantity.text(float(load.min())), quantity.text(float(load.max()))
-    return (
-        f"The nip load on a lane is between {low} and {high}; the ridges are those under the nip."
-    )
+    ranges = []
+    for name in names:
+        quantity, load = LANE_QUANTITIES[name], lanes[name].values
+        low, high = quantity.text(float(load.min())), quantity.text(float(load.max()))
+        drum = f"of the {DRUMS[name][1]} " if len(names) > 1 else ""
+        ranges.append(f"{drum}between {low} and {high}")
+    text = ", ".join(ranges)
+    return f"The nip load on a lane is {text}; the ridges are those under the nip."
 
 
 def _slack_lanes(lanes: Any) -> str:

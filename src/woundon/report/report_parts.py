@@ -18,6 +18,7 @@ from .. import quantities
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..problems.description import Description
+from ..problems.fields import FLAGS
 from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Steps, Taper
@@ -268,6 +269,7 @@ def output_row(result: Result, name: str, value: float | None = None, **texts: s
 def value_row(quantity: Quantity | None, value: Any) -> Row:
     """Return the row of the value of a field: a number, several, a word, or None."""
     text = "not given" if value is None else str(value)
+    text = FLAGS[value] if isinstance(value, bool) else text
     if quantity is None:
         return Row(meaning="", symbol="", value=text)
     if isinstance(value, int | float):

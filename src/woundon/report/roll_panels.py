@@ -42,7 +42,7 @@ ROUNDING = 1e-9
 def roll_panels(result: RollResult) -> dict[str, PanelMaker]:
     """Return the panels of a wound roll, over the radius.
 
-    - pressure between the layers
+    - pressure between the layers, and that of the running roll with centrifugal force
     - hardness: the modulus through the stack
     - hoop_stress along the web, compression shaded; cut off above where there is any
     - tension: the wound-on tension, on the stages of the build-up
@@ -139,8 +139,26 @@ def pressure(roll: RollResult) -> Panel:
     """Return the panel of the pressure between the layers."""
     r, quantity = radii_between(roll), quantity_of(roll, "pressure")
     curve = Curve("pressure", r, roll.at_radius(r)["pressure"], quantity.symbol)
+    curves = [curve]
+    if _has_changed(roll):
+        as_wound = roll.as_wound.stresses_at(r)[0]
+        curves = _before_and_after(roll, "pressure", r, as_wound, curve)
     y = Axis("Pressure $P$", quantity, from_zero=True)
-    return over_radius(roll.radius, "pressure", "Pressure", y, [curve], height=2.8)
+    return over_radius(roll.radius, "pressure", "Pressure", y, curves, height=2.8)
+
+
+def _has_changed(roll: RollResult) -> bool:
+    """Return True if the finished roll differs from the roll as wound, which may have run."""
+    return roll.is_changed or bool(roll.problem.centrifugal_stress)
+
+
+def _before_and_after(
+    roll: RollResult, name: str, r: Array, as_wound: Array, finished: Curve
+) -> list[Curve]:
+    """Return the curves of the finished roll, and of the roll as wound, before the changes."""
+    label = "as wound, running" if roll.problem.centrifugal_stress else "as wound"
+    before = Curve(f"{name}_as_wound", r, as_wound, label=label, colour="drum", line="dashed")
+    return [replace(finished, label="finished roll"), before]
 
 
 def hardness(roll: RollResult) -> Panel:
@@ -185,8 +203,11 @@ def _stress_of_layers(
     lowest = thickness * roll.least_hoop_stress
     y = Axis(label, quantity, cut=cut_above(lowest, values, BELOW, ABOVE))
     shade = Area("compression", r, low=np.minimum(values, 0), high=0 * r, shade="drum")
-    curve = Curve(name, r, values, quantity.symbol)
-    return with_compression(over_radius(roll.radius, name, title, y, [curve], height=2.8), shade)
+    curves = [Curve(name, r, values, quantity.symbol)]
+    if _has_changed(roll):
+        as_wound = thickness * roll.as_wound.stresses_at(r)[1]
+        curves = _before_and_after(roll, name, r, as_wound, curves[0])
+    return with_compression(over_radius(roll.radius, name, title, y, curves, height=2.8), shade)
 
 
 def with_compression(panel: Panel, shade: Area) -> Panel:

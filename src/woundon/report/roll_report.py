@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import isnan
 
 import numpy as np
 
 from ..errors import InvalidProblem
 from ..problems.radial_laws import Pfeiffer
-from ..quantities import in_chosen_units, length, line_load, strain, stress
+from ..quantities import in_chosen_units, length, line_load, strain, stress, value_of
 from ..roll.gauge_band import gauge_band_over
 from ..roll.result import RollResult
 from ..roll.theories import plateau_pressure
@@ -29,7 +30,15 @@ from .report_parts import (
 __all__ = ["ROLL", "roll_report", "thin_layers_note"]
 
 # in other rows
-LEFT_OUT = frozenset({"residual", "steps", "compressed_share", "lane_count"}) | WORST_LANE
+BORE = [
+    "bore_hoop_stress",
+    "bore_displacement",
+    "core_gap",
+    "separation_radius",
+    "sliding_collapse_load",
+    "bonded_collapse_load",
+]
+LEFT_OUT = frozenset({"residual", "steps", "compressed_share", "lane_count", *BORE}) | WORST_LANE
 BAND = "Thickest lane across the width (closed form)"
 # of a roll alone, and of the roll of a winding
 ROLL = [
@@ -74,7 +83,7 @@ def roll_report(result: RollResult) -> list[Part]:
             (
                 field_row(problem.core, "radius"),
                 *(field_row(problem, name) for name in ("radius", "web_thickness")),
-                *rows_of_given(problem, "caliper_pressure"),
+                *rows_of_given(problem, "caliper_pressure", "web_speed"),
                 *schedule_rows(problem, "wound_on_tension", tensions),
             ),
         ),
@@ -84,6 +93,7 @@ def roll_report(result: RollResult) -> list[Part]:
             thin_layers_note(result) + _compression_note(result),
         ),
         *([Section("Changes of the finished roll", tuple(changes))] if changes else []),
+        *_off_core(result),
         *_gauge_band(result),
         *lanes_sections(result),
         *_other_theories(result),
@@ -97,10 +107,11 @@ def _location(radius: float) -> str:
 
 def thin_layers_note(roll: RollResult) -> str:
     """Return a remark on what pressures and errors refer to: layers without and with thickness."""
+    at_rest = " of the roll at rest" if roll.problem.centrifugal_stress else ""
     return (
-        "Pressures and stresses are those of infinitely thin layers. The thickness of the layers "
-        f"changes the pressure by {100 * roll.finite_layer_effect:+.3g} % of the largest; the "
-        "errors include this and the variation of the hoop stress across a layer."
+        f"Pressures and stresses are those of infinitely thin layers{at_rest}. The thickness of "
+        f"the layers changes the pressure by {100 * roll.finite_layer_effect:+.3g} % of the "
+        "largest; the errors include this and the variation of the hoop stress across a layer."
     )
 
 
@@ -108,6 +119,26 @@ def _compression_note(result: RollResult) -> str:
     """Return a remark on hoop compression, which makes rolls buckle and star; '' without it."""
     share = result.compressed_share
     return f" Hoop compression on {100 * share:.3g} % of the build-up." if share else ""
+
+
+def _off_core(result: RollResult) -> Iterator[Section]:
+    """Yield the section of a roll that has left its core, or whose layers have separated."""
+    has_open_layers = bool((result.opening > 0).any())
+    if not (result.is_off_core or has_open_layers):
+        return
+    known = [name for name in BORE if not isnan(value_of(result, name))]
+    texts = [
+        "Layers that are relieved follow the law of the stack back: hysteresis is neglected.",
+    ]
+    if "bonded_collapse_load" in known:
+        texts.append(
+            "The inner layers do not collapse if the ratio of freely sliding layers is below 1, "
+            "and collapse without slip if that of bonded layers exceeds 1; in between, friction "
+            "decides."
+        )
+    title = "Off the core" if result.is_off_core else "Separated layers"
+    rows = tuple(output_row(result, name) for name in known)
+    yield Section(title, rows, " ".join(texts))
 
 
 def _gauge_band(result: RollResult) -> Iterator[Section]:

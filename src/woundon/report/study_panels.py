@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..problems.winding import SCHEDULES
 from ..quantities import Quantity
 from ..roll.result import RollResult
 from ..studies.window_result import LEVELS, OperatingWindow
@@ -348,17 +349,17 @@ def indices_panels(indices: SobolIndices) -> list[Panel]:
 def window_panels(window: OperatingWindow) -> list[Panel]:
     """Return the panel of the probability over the regions of the binding margins.
 
-    With a torque split, it shows the level of the best point.
+    With a third set point, it shows the level of the best point.
     """
-    tension, load = (window.quantities[name] for name in window.names[:2])
     best, heading = window.best, ""
-    # of (tension, load[, split]), turned to ([split, ]load, tension): maps have y before x
+    # of (x, y[, level]), turned to ([level, ]y, x): maps have y before x
     probability, binding = window.probability.T, window.binding.T
     if len(window.names) == 3:
-        split = best.values["torque_split"]
-        level = int(np.argmin(np.abs(window.axes[2] - split)))
+        name = window.names[2]
+        level = int(np.argmin(np.abs(window.axes[2] - best.values[name])))
         probability, binding = probability[level], binding[level]
-        heading = f"torque split {window.axes[2][level]:.2g}"
+        value = window.quantities[name].text(float(window.axes[2][level]), ".3g")
+        heading = f"{in_words(name, window.quantities[name])} {value}"
     x, y = window.axes[0], window.axes[1]
     # the last region is that without a solution
     margins = [f"binding: {TITLES.get(name, name)}" for name in window.margins]
@@ -386,8 +387,8 @@ def window_panels(window: OperatingWindow) -> list[Panel]:
     return [
         Panel(
             "window",
-            Axis(f"{tension.meaning}, at the core", tension, limits=(x[0], x[-1])),
-            Axis(f"{load.meaning}, at the core", load, limits=(y[0], y[-1])),
+            _set_point_axis(window, 0),
+            _set_point_axis(window, 1),
             curves=(point,),
             map=Map(x, y, probability, contours),
             regions=regions,
@@ -397,3 +398,11 @@ def window_panels(window: OperatingWindow) -> list[Panel]:
             legend="right",
         )
     ]
+
+
+def _set_point_axis(window: OperatingWindow, k: int) -> Axis:
+    """Return the axis of a set point; the values of a schedule are those at the core."""
+    name, values = window.names[k], window.axes[k]
+    quantity = window.quantities[name]
+    place = ", at the core" if name in SCHEDULES else ""
+    return Axis(f"{quantity.meaning}{place}", quantity, limits=(values[0], values[-1]))

@@ -68,6 +68,7 @@ LEFT_OUT = frozenset(
         ),
         *(f"margins.{name}" for name in TITLES),
         "lane_count",
+        "even_crown",
         *WORST_LANE,
         *DRIVE_OUTPUTS,
     }
@@ -111,7 +112,7 @@ def winding_report(result: WindingResult) -> list[Part]:
             (
                 field_row(problem.core, "radius"),
                 field_row(problem, "radius"),
-                *rows_of_given(problem, "caliper_pressure"),
+                *rows_of_given(problem, "caliper_pressure", "web_speed"),
                 *_schedules(result),
             ),
         ),

@@ -231,6 +231,7 @@ def _wind_selected_stages(
         x,
         cell_source(tension, growth, x),
         float(tension.at(np.array([exp(core)]))[0]),
+        laid_tension=tension.at(np.exp(growth.x[1:])),
         gaps=gaps,
     )
     solved = equations.solve_with_growth(
@@ -341,9 +342,10 @@ class Layers:
     thickness: float = 0.0
 
     def own_pressure(self, x: Array) -> Array:
-        """Return the pressure p = T h/(2 r) under which a layer is wound at ln r [Pa]."""
+        """Return the pressure p = (T - c) h/(2 r) under which a layer is wound at ln r [Pa]."""
         r = np.exp(x)
-        return np.asarray(self.tension.at(r) * self.thickness / (2 * r))
+        pressing = self.tension.at(r) - self.thin.centrifugal
+        return np.asarray(pressing * self.thickness / (2 * r))
 
     @property
     def equations(self) -> StageEquations:
@@ -396,7 +398,7 @@ class _Roll:
             log(core),
         )
         self.T_c = float(self.tension.at(np.array([core]))[0])
-        self.growth = Growth(self.start, self.equations.core)
+        self.growth = Growth(self.start, self.equations.growth_on_core(self.T_c))
         self.kinks = kinks_of(self.tension, self.growth)
         self.nodes: list[Array] = []
         self.solutions: list[StageSolution] = []
@@ -419,7 +421,7 @@ class _Roll:
         points = points_of_cells(nodes)
         by_kappa = -self.tension.at(np.exp(points)) * previous.lagrange_basis(surface, points)
         solved = self.equations.solve_with_growth(
-            StageData(nodes, source, self.T_c),
+            StageData(nodes, source, self.T_c, laid_tension=self.tension.at(np.exp(nodes[-1:]))),
             GrowthEffect(np.zeros((points.size, 1), dtype=int), by_kappa[:, None]),
             *self._stretched_guess(nodes),
             np.array([kappa]),

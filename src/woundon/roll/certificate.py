@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..results import Residuals, largest
-from .equations import StageData
-from .finished import add_constant, equations_of, final_changes
+from .finished import add_constant, core_gap, equations_of, final_changes, finished_zones
 from .stage_nodes import cell_source
 
 __all__ = ["certificate"]
@@ -19,9 +18,11 @@ def certificate(result: Any) -> Residuals:
     """Return the residuals of a result; stresses are relative to the wound-on stress at the core.
 
     equilibrium
-        The collocated equations of :mod:`.equations` on the nodes.
+        The collocated equations of :mod:`.equations` on the nodes of layers in contact.
     core_condition, free_surface
-        The boundary conditions.
+        The boundary conditions of the layers in contact; a core may not penetrate the roll.
+    open_layers
+        Largest overlap of open layers, which must have a gap; only with open layers.
     frozen_source
         The source equals that of the layers as wound plus the changes after winding.
     roll
@@ -37,22 +38,30 @@ def certificate(result: Any) -> Residuals:
     x, T = np.log(r), curve.at(r)
     unit, (source_change, core_change) = float(T[0]), final_changes(problem)
     source = add_constant(cell_source(curve, result.kappa, x), source_change)
-    ends = [problem.core.radius, result.stage_radius[-1]]
-    residual, _ = equations_of(problem).residual(StageData(x, source, unit + core_change), P, Q)
+    radii = [problem.core.radius, result.stage_radius[-1]]
+    zones = finished_zones(problem, P, Q)
+    stage = zones.stage(x, source, unit + core_change, np.zeros(x.size))
+    equations = equations_of(problem).at_rest
+    residual, _ = equations.residual(stage, P[zones.nodes], Q[zones.nodes])
+    ends = np.append(2 * stage.firsts, 2 * stage.lasts + 1)  # the other rows are of cells
     hoop = -(P + Q)
     strain = (hoop + nu * P) / E_t + problem.tangential_expansion * problem.temperature_change
     expected = np.append(source.left, source.right[-1])  # at the nodes, as reported
+    # a core that is not removed may not penetrate the roll
+    overlap = 0.0 if problem.core_removed else float(-core_gap(result)) * E_t / r[0]
+    is_open = (P == 0) & (Q == 0)
     return Residuals(
-        equilibrium=largest(np.abs(residual[1:-1])) / unit,
-        core_condition=abs(float(residual[0])) / unit,
-        free_surface=abs(float(residual[-1])) / unit,
+        equilibrium=largest(np.abs(np.delete(residual, ends))) / unit,
+        core_condition=max(abs(float(residual[0])), overlap) / unit,
+        free_surface=largest(np.abs(residual[ends[1:]])) / unit,
+        **({"open_layers": largest(-expected[is_open]) / unit} if is_open.any() else {}),
         frozen_source=largest(np.abs(result.source - expected)) / largest(np.abs(expected)),
         hoop_stress=largest(np.abs(result.hoop_stress - hoop)) / unit,
         layer_strain=largest(np.abs(result.layer_strain - strain)) * E_t / unit,
         displacement=largest(np.abs(result.displacement / r - (strain - T / E_t))) * E_t / unit,
         radial_modulus=largest(np.abs(result.radial_modulus / stack.radial.modulus(P) - 1)),
         positive_pressure=largest(-P) / max(float(np.max(np.abs(P))), 1e-300),
-        roll=largest(np.abs(r[[0, -1]] / ends - 1)) if _stages_are_valid(result) else inf,
+        roll=largest(np.abs(r[[0, -1]] / radii - 1)) if _stages_are_valid(result) else inf,
     )
 
 

@@ -11,11 +11,12 @@ mass is dm = rho h dL.  Divided by the increase of the roll volume, it is the de
 analyser measures during winding, from the diameter and the length of web on the roll.  Divided by
 the final volume of these layers, at r + u, it is the density of the finished roll, in which
 
-    du/dr = (1 + kappa) T/E_t + eps_r,    eps_r = -F(P) - nu sigma_t/E_t + alpha_r dT
+    du/dr = (1 + kappa) T/E_t + eps_r,    eps_r = -F(P) - nu sigma_t/E_t + alpha_r dT + eps_g
 
-follows from the equations (:mod:`.equations`), so that a layer of the finished roll has the
-thickness h_0 (1 + eps_r) to first order of the strains, h (1 - (F(P) - F(p_c))) without the other
-parts of eps_r: mass is conserved, and a layer under the pressure p_c has the thickness h.
+(eps_g by gaps between open layers) follows from the equations (:mod:`.equations`), so that a layer
+of the finished roll has the thickness h_0 (1 + eps_r) to first order of the strains, h (1 - (F(P) -
+F(p_c))) without the other parts of eps_r: mass is conserved, and a layer under the pressure p_c has
+the thickness h.
 """
 
 from __future__ import annotations
@@ -71,6 +72,7 @@ def finished_density(result: Any) -> Array:
         -stack.radial.strain_at(result.pressure)
         - stack.poissons_ratio / stack.tangential * hoop
         + problem.radial_expansion * problem.temperature_change
+        + result.opening
     )
     du_dr = _winding_strains(result, r)[0] + radial_strain
     volume_ratio = (1 + result.displacement / r) * (1 + du_dr)

@@ -135,11 +135,11 @@ def design_tension(
     """
     check_type("problem", problem, RollProblem)
     tolerance("rtol", rtol, 1e-6, 1e-2)
-    if problem.temperature_change or problem.core_shrinkage:
+    if problem.temperature_change or problem.core_shrinkage or problem.core_removed:
         raise InvalidProblem.at(
             "problem",
             "changes after winding; must be a roll as wound: temperature_change and "
-            "core_shrinkage 0",
+            "core_shrinkage 0, core_removed false",
         )
     target = _TargetPressure(problem, _as_profile(problem, _Target(pressure=pressure).pressure))
     stages = _TargetStages(equations_of(problem), target)
@@ -147,6 +147,7 @@ def design_tension(
     WOT = np.array([stages.tension(s) for s in x]) * problem.web_thickness
     schedule = Profile(radius=_radii(problem, x).tolist(), value=WOT.tolist(), between="smooth")
     nodes, finished = stages.solved[x[-1]]
+    finished = stages.at_rest(nodes, finished)
     return TensionDesign(
         problem.replace(wound_on_tension=schedule),
         _radii(problem, nodes),
@@ -272,15 +273,28 @@ class _TargetStages:
     def tension(self, x: float) -> float:
         """Return the wound-on stress T of the layer at ln r = x [Pa]."""
         start = self.target.knots[0]
-        T = self.T_c if x <= start else -float(self._solve_stage(x).Q[-1])
-        if T > 0:
+        c = self.equations.centrifugal
+        T = self.T_c if x <= start else c - float(self._solve_stage(x).Q[-1])
+        if c < T:
             return T
         r, h = np.exp(x), self.target.problem.web_thickness
+        least = f"{c * h:.4g}, the centrifugal force" if c else "0"
         raise InvalidProblem.at(
             "pressure",
-            f"needs a tension of {T * h:.4g} [N/m] at the radius {r:.6g} m; must be > 0; "
+            f"needs a tension of {T * h:.4g} [N/m] at the radius {r:.6g} m; must be > {least}; "
             "raise the pressure there, or lower it at smaller radii",
         )
+
+    def at_rest(self, nodes: Array, running: StageSolution) -> StageSolution:
+        """Return a solved stage with its nodes ln r after the roll has stopped."""
+        if not self.equations.centrifugal:
+            return running
+        source = evaluate_in_cells(nodes, self.target.source)
+        stage = StageData(nodes, source, self.T_c)
+        solved = self.equations.at_rest.solve(stage, running.P, running.Q)
+        if solved is None:
+            raise NotConverged("the finished roll has no equilibrium at rest")
+        return solved
 
     def _solve_stage(self, x: float) -> StageSolution:
         """Return the solved stage with the surface at ln r = x."""

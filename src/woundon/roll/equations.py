@@ -14,6 +14,9 @@ Q = r P' and D = d/dx:
     Q = b P - T_c       at the core,  b = E_t/E_c - 1 + nu,  T_c = T(r_c)
     P = P_s             at s: zero, except in a finished roll of layers of finite thickness
 
+Off its core a finished roll has P + p = 0 at its innermost radius instead of the core condition; p
+is zero except with layers of finite thickness.
+
 A further thin layer adds p = dP/ds, the solution of the linearised equations with T_c = 0, scaled
 to p = 1 at s.  Its growth kappa = D p at s determines C of the next layer:
 
@@ -23,6 +26,22 @@ Layers of finite thickness (:class:`.Layers`) are wound under a pressure p(r).  
 pressure in addition to p, and F(P) is replaced by F(P + p) - F(p).
 
 It follows that -D P = T at s; the residual of this relation measures the error of the source.
+
+In a roll that runs at the surface speed V the layers carry the body force rho omega^2 r, with
+omega = V/s.  With c = rho V^2 and B(r; s) = c r^2/s^2 equilibrium is sigma_t = -(P + Q) + B, and
+
+    D Q = C + (3 + nu) B + E_t F(P) - P - 2 Q
+    Q = b P - T_c + B      at the core
+
+with a source C that is the same at all stages, and at rest.  A further layer presses with T - c
+alone, and the roll slows down: dP/d ln s = T q solves the linearised equations with the source
+-2 (3 + nu) B/T, with D q = b q - 2 B/T at the core, and q = 1 - c/T at s.  The source of the next
+layer is again C(s) = -s T' - T (2 + kappa), with
+
+    kappa = D q + (1 + nu) c/T;        -D P = T - c at s.
+
+So defined, kappa is the growth without rotation, and T (1 + kappa)/E_t in both cases the inward
+displacement of the surface by a further layer, relative to the thickness of the layer.
 Newton's method solves for P and kappa together: a fixed-point iteration diverges for long steps.
 
 Discretised by the two-stage Lobatto rule (order four, as in scipy.integrate.solve_bvp) on given
@@ -43,7 +62,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -93,7 +112,11 @@ class StageData:
     tension : float
         T_c of the core condition [Pa], one of all stages or (J,) of each.
     surface_pressure : float
-        P_s [Pa].
+        P_s [Pa], one of all stages or (J,) of each.
+    off_core : bool or (J,) bool array
+        True for a stage without contact at its innermost radius.
+    laid_tension : float or (J,) array
+        T of the outermost layer [Pa], on which only kappa of a running roll depends.
     gaps : (J - 1,) int array
         Last node of each stage but the last one, which is also the number of the gap behind it
         among the cells.
@@ -102,8 +125,10 @@ class StageData:
     x: Array
     source: CellSource
     tension: float | Array
-    surface_pressure: float = 0.0
+    surface_pressure: float | Array = 0.0
+    off_core: bool | Array = False
     gaps: Array = field(default_factory=lambda: np.zeros(0, dtype=int))
+    laid_tension: float | Array = np.nan
 
     @cached_property
     def firsts(self) -> Array:
@@ -114,6 +139,11 @@ class StageData:
     def lasts(self) -> Array:
         """Last node of each stage, (J,)."""
         return np.append(self.gaps, self.x.size - 1)
+
+    @cached_property
+    def depths(self) -> Array:
+        """ln r of the nodes relative to that of the surface of their stage, (n + 1,), <= 0."""
+        return self.x - np.repeat(self.x[self.lasts], self.lasts - self.firsts + 1)
 
     @cached_property
     def lengths(self) -> Array:
@@ -218,6 +248,10 @@ class StageEquations:
         b = E_t/E_c - 1 + nu.
     own_pressure : callable, optional
         p(ln r), the pressure under which layers are wound [Pa]; without it zero.
+    centrifugal : float
+        c = rho V^2 of a running roll [Pa]; zero at rest.
+    poissons_ratio : float
+        nu, needed for a running roll only.
     """
 
     strain: Callable[[Array], Any]
@@ -226,6 +260,8 @@ class StageEquations:
     tangential: float
     core: float
     own_pressure: Callable[[Array], Array] | None = None
+    centrifugal: float = 0.0
+    poissons_ratio: float = 0.0
     steps: int = field(default=0, init=False)  # number of linear systems
 
     @property
@@ -236,7 +272,32 @@ class StageEquations:
         """
         return 1 / max(abs(self.core), 1e-300)
 
-    def _total(self, x: Array, P: Array) -> Array:
+    @property
+    def at_rest(self) -> StageEquations:
+        """The equations of the same roll at rest, with the same source."""
+        return replace(self, centrifugal=0.0)
+
+    def growth_on_core(self, tension: float) -> float:
+        """Return kappa of the first layer, wound with a stress T [Pa]: b, with c/T less E_t/E_c."""
+        stiffness_ratio = self.core + 1 - self.poissons_ratio
+        return self.core - self.centrifugal / tension * stiffness_ratio
+
+    def rotation_stress(self, depth: Array) -> Array:
+        """Return B = c r^2/s^2 [Pa] at depths ln r/s."""
+        return np.asarray(self.centrifugal * np.exp(2 * depth))
+
+    def _rotation_source(self, stage: StageData) -> CellSource:
+        """Return (3 + nu) B in every cell [Pa], which a running roll adds to the source."""
+        depths, factor = stage.depths, 3 + self.poissons_ratio
+        B, middle_B = map(self.rotation_stress, (depths, depths[:-1] + stage.lengths / 2))
+        return CellSource(factor * B[:-1], factor * middle_B, factor * B[1:])
+
+    def _rotation_share(self, stage: StageData) -> Array:
+        """Return c/T of the outermost layer of each stage, (J,) [1]; zero at rest."""
+        shares = np.zeros(stage.lasts.size)
+        return shares + self.centrifugal / stage.laid_tension if self.centrifugal else shares
+
+    def total(self, x: Array, P: Array) -> Array:
         """Return P + p at ln r = x, p the pressure under which the layers are wound [Pa]."""
         return P if self.own_pressure is None else P + self.own_pressure(x)
 
@@ -245,7 +306,7 @@ class StageEquations:
 
         Layers wound under a pressure p have F(P + p) - F(p) in place of F(P).
         """
-        F = self.strain(self._total(x, P))
+        F = self.strain(self.total(x, P))
         if self.own_pressure is not None:
             F = F - self.strain(self.own_pressure(x))
         return np.asarray(self.tangential * F - P - 2 * Q)
@@ -262,7 +323,11 @@ class StageEquations:
         P, Q : (n + 1,) arrays
             Pressure, and Q = r dP/dr [Pa].
         """
-        x, source, h = stage.x, stage.source, stage.lengths
+        x, h = stage.x, stage.lengths
+        if self.centrifugal:
+            source = stage.with_source_changed(self._rotation_source(stage)).source
+        else:
+            source = stage.source
         slope = self._slope_of_Q(x, P, Q)
         left, right = slope[:-1] + source.left, slope[1:] + source.right
         middle_P = (P[1:] + P[:-1]) / 2 - h / 8 * (Q[1:] - Q[:-1])
@@ -272,14 +337,19 @@ class StageEquations:
         out[1:-1:2] = P[1:] - P[:-1] - h / 6 * (Q[:-1] + 4 * middle_Q + Q[1:])
         out[2:-1:2] = Q[1:] - Q[:-1] - h / 6 * (left + 4 * middle + right)
         firsts, lasts = stage.firsts, stage.lasts
-        out[2 * firsts] = Q[firsts] - self.core * P[firsts] + stage.tension
+        B = self.rotation_stress(stage.depths[firsts])
+        out[2 * firsts] = np.where(
+            stage.off_core,
+            self.total(x[firsts], P[firsts]),
+            Q[firsts] - self.core * P[firsts] + stage.tension - B,
+        )
         out[2 * lasts + 1] = P[lasts] - stage.surface_pressure
         return out, middle_P
 
     def _moduli(self, x: Array, P: Array, middle_P: Array) -> Array:
         """Return E_r at the nodes, then in mid-cell, (2 n + 1,) [Pa]."""
         points = np.concatenate([x, (x[1:] + x[:-1]) / 2])
-        return np.asarray(self.modulus(self._total(points, np.concatenate([P, middle_P]))))
+        return np.asarray(self.modulus(self.total(points, np.concatenate([P, middle_P]))))
 
     def _matrix(self, stage: StageData, E: Array) -> Array:
         """Return the Jacobian of the residual with respect to P and Q in LAPACK's band storage.
@@ -312,8 +382,8 @@ class StageEquations:
                 value[gaps] = 0.0
                 band[diagonal + i - j, j : j + 2 * n : 2] = value
         # the first and the last equation, and both of each gap
-        band[diagonal, 2 * stage.firsts] = -self.core
-        band[diagonal - 1, 2 * stage.firsts + 1] = 1.0
+        band[diagonal, 2 * stage.firsts] = np.where(stage.off_core, 1.0, -self.core)
+        band[diagonal - 1, 2 * stage.firsts + 1] = np.where(stage.off_core, 0.0, 1.0)
         band[diagonal + 1, 2 * stage.lasts] = 1.0
         return band
 
@@ -338,8 +408,8 @@ class StageEquations:
     ) -> tuple[_Factors, Array, Array, Array]:
         """Return the factorised Jacobian, E_r at the nodes, the Newton step and a further layer.
 
-        The negative step of P and Q and the p and D p of a layer are (2 n + 2,) arrays, the values
-        of each node alternating.
+        The negative step of P and Q, and q = s (dP/ds)/T of a layer with D q, are (2 n + 2,)
+        arrays, the values of each node alternating.
 
         Raises
         ------
@@ -350,9 +420,41 @@ class StageEquations:
             raise SingularStageError
         factors, E = self._factorised(stage, P, middle_P)
         right = np.zeros((residual.size, 2), order="F")
-        right[:, 0], right[2 * stage.lasts + 1, 1] = residual, 1.0
+        right[:, 0], right[:, 1] = residual, self._layer_loads(stage)
         step, layer = factors.solve(right).T
         return factors, E, step, layer
+
+    def _layer_loads(self, stage: StageData) -> Array:
+        """Return the right-hand side for q = s (dP/ds)/T of a further layer, (2 n + 2,).
+
+        At rest it is 1 at each surface.  A running roll slows down: B decreases as s^-2.
+        """
+        right, share = np.zeros(2 * stage.x.size), self._rotation_share(stage)
+        if self.centrifugal:
+            in_cells = 2 * source_residual(stage.lengths, self._rotation_source(stage))
+            values = 2 * (stage.lasts - stage.firsts + 1)  # of P and Q of each stage
+            T = stage.laid_tension + np.zeros(share.size)
+            right = in_cells / np.repeat(T, values)
+            B = self.rotation_stress(stage.depths[stage.firsts])
+            right[2 * stage.firsts] = -2 * B / stage.laid_tension
+        right[2 * stage.lasts + 1] = 1 - share
+        return right
+
+    def growth_of_layer(self, stage: StageData, layer: Array) -> Array:
+        """Return kappa of each stage, (J,), from q and D q of a further layer, (2 n + 2,)."""
+        share = self._rotation_share(stage)
+        return np.asarray(layer[2 * stage.lasts + 1] + (1 + self.poissons_ratio) * share)
+
+    def _unit_layer(self, stage: StageData, factors: _Factors, layer: Array) -> Array:
+        """Return the increment p with p = 1 at the surface, of the roll at one speed, and D p.
+
+        ``layer`` is q of a further layer; at rest both are the same.  (2 n + 2,) arrays.
+        """
+        if not self.centrifugal:
+            return layer
+        right = np.zeros(layer.size)
+        right[2 * stage.lasts + 1] = 1.0
+        return factors.solve(right)
 
     def solve(self, stage: StageData, P: Array, Q: Array) -> StageSolution | None:
         """Solve by Newton's method from an initial guess; None if it does not converge.
@@ -370,29 +472,30 @@ class StageEquations:
                 return None
             P, Q = P - step[::2], Q - step[1::2]
             if _relative_step(stage, step, P) <= NEWTON_TOLERANCE:
-                return StageSolution(P, Q, layer[2 * stage.lasts + 1])  # D p: kappa, for p = 1
+                return StageSolution(P, Q, self.growth_of_layer(stage, layer))
         return None
 
-    def kappa_by_pressure(self, stage: StageData, P: Array, layer: Array, E: Array) -> Array:
+    def kappa_by_pressure(
+        self, stage: StageData, P: Array, layer: Array, unit_layer: Array, E: Array
+    ) -> Array:
         """Return the derivatives of kappa of each stage by the pressures at its nodes [1/Pa].
 
-        With g = E_t/E_r - 1, kappa(x) = D p/p satisfies the Riccati equation
-        D kappa + kappa^2 + 2 kappa = g.  Hence a change dg(x) changes kappa at the surface by the
-        integral of exp(2 (x - ln s)) p^2 dg, for p = 1 at s.
+        With g = E_t/E_r - 1, q satisfies D(r^2 D q) - g r^2 q = r^2 f, f its source, and p the same
+        equation without source.  Green's identity: a change dg(x) changes D q at the surface, and
+        kappa, by the integral of exp(2 (x - ln s)) p q dg, for p = 1 at s.
 
         Parameters
         ----------
         stage : StageData
-        P, layer, E : (n + 1,) arrays
-            Pressure, p of a further layer and E_r at the nodes.
+        P, layer, unit_layer, E : (n + 1,) arrays
+            Pressure, q of a further layer, p and E_r at the nodes.
         """
-        x, firsts, lasts, half = stage.x, stage.firsts, stage.lasts, stage.lengths / 2
-        to_surface = 2 * (x - np.repeat(x[lasts], lasts - firsts + 1))
-        quadrature = np.exp(to_surface) * (np.append(half, 0) + np.append(0, half))
+        half = stage.lengths / 2
+        quadrature = np.exp(2 * stage.depths) * (np.append(half, 0) + np.append(0, half))
         # some laws have an infinite slope at P = 0, where p has no effect
-        E_slope = self.modulus_slope(self._total(x, P))
+        E_slope = self.modulus_slope(self.total(stage.x, P))
         E_slope = np.where(np.isfinite(E_slope), E_slope, 0.0)
-        return np.asarray(-quadrature * layer**2 * self.tangential * E_slope / E**2)
+        return np.asarray(-quadrature * layer * unit_layer * self.tangential * E_slope / E**2)
 
     def solve_with_growth(
         self,
@@ -407,9 +510,9 @@ class StageEquations:
 
         The unknowns U = (P, Q) and kappa are eliminated in turn.  For changes d of all kappa the
         step is step + J^-1 R d, J the Jacobian and R d the change of the residual by the source,
-        and kappa of each stage must equal the D p of a further layer on it:
+        and kappa of each stage must equal that of a further layer on it, kappa_q:
 
-            kappa + d = D p - kappa_by_P (step + J^-1 R d).
+            kappa + d = kappa_q - kappa_by_P (step + J^-1 R d).
 
         kappa_by_P J^-1 follows from one solution with the transpose of J.  A stage depends on the
         kappa of no later one.
@@ -436,12 +539,13 @@ class StageEquations:
                 factors, E, step, layer = self.linearised(stage, P, Q)
             except SingularStageError:
                 return None
-            kappa_by_P = self.kappa_by_pressure(stage, P, layer[::2], E)
+            unit_layer = self._unit_layer(stage, factors, layer)
+            kappa_by_P = self.kappa_by_pressure(stage, P, layer[::2], unit_layer[::2], E)
             adjoint = np.zeros_like(step)
             adjoint[::2] = kappa_by_P
             weights = _source_weights(h, factors.solve(adjoint, transposed=True))
             coupling = np.eye(count) + effect.by_stage(weights, owners, count)
-            missing = layer[2 * lasts + 1] - growth
+            missing = self.growth_of_layer(stage, layer) - growth
             missing -= np.add.reduceat(kappa_by_P * step[::2], firsts)
             change, _ = lapack.dtrtrs(coupling, missing, lower=1)
             source_change = effect.of(change)
@@ -453,27 +557,25 @@ class StageEquations:
             stage = stage.with_source_changed(source_change)
         return None
 
-    def linear_response(
-        self, x: Array, P: Array, Q: Array, change: CellSource
-    ) -> tuple[Array, Array]:
-        """Return the linear response of P and Q of a stage to a small change of the source [Pa].
+    def linear_response(self, stage: StageData, P: Array, Q: Array) -> tuple[Array, Array]:
+        """Return the linear response of P and Q of stages to a small change of the source [Pa].
 
         Two (n + 1,) arrays, infinite if the linearised equations are singular.
 
         Parameters
         ----------
-        x, P, Q : (n + 1,) arrays
-            ln r of the nodes, pressure and Q = r dP/dr there [Pa].
-        change : CellSource
-            Change of the source C in every cell [Pa].
+        stage : StageData
+            Its ``source`` is the change of the source C in every cell.
+        P, Q : (n + 1,) arrays
+            Pressure and Q = r dP/dr at the nodes [Pa].
         """
-        h = np.diff(x)
+        h = stage.lengths
         try:
             middle_P = (P[1:] + P[:-1]) / 2 - h / 8 * np.diff(Q)
-            factors, _ = self._factorised(StageData(x, change, 0.0), P, middle_P)
+            factors, _ = self._factorised(stage, P, middle_P)
         except SingularStageError:
             return np.full_like(P, np.inf), np.full_like(Q, np.inf)
-        out = factors.solve(-source_residual(h, change))
+        out = factors.solve(-source_residual(h, stage.source))
         return out[::2], out[1::2]
 
 

@@ -4,6 +4,8 @@ After winding, the temperature changes by dT and the core shrinks by the strain 
 are those of the equations of a stage (:mod:`.equations`) with C and T_c changed by
 
     dC = E_t (alpha_t - alpha_r) dT,        dT_c = E_t ((alpha_c - alpha_t) dT - eps_c).
+
+The core may be removed or shrink away from the roll, and layers may part (:mod:`.separation`).
 """
 
 from __future__ import annotations
@@ -14,7 +16,14 @@ import numpy as np
 
 from ..errors import NotConverged
 from .equations import CellSource, StageData, StageEquations, StageSolution
-from .stage_nodes import cell_source
+from .separation import (
+    ContactZones,
+    NotSeparatedError,
+    contact_zones,
+    solve_on_core,
+    with_open_layers,
+)
+from .stage_nodes import cell_source, kinks_of, nodes_between
 
 if TYPE_CHECKING:
     from ..problems.roll import RollProblem
@@ -22,9 +31,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "add_constant",
+    "core_gap",
     "equations_of",
     "final_changes",
     "finished_arrays",
+    "finished_zones",
     "surface_layer_depth",
 ]
 
@@ -33,17 +44,29 @@ Array = np.ndarray
 # Largest E_t/E_c that is distinguished from an infinite one: the pressure on the core is then about
 # 1e-5 of the largest.  The nodes are E_c/E_t apart there; closer ones differ by rounding in ln r.
 SOFTEST_CORE = 1e7
+FEWEST_CELLS = 23  # of a zone between open layers
+# Pressure below zero, relative to the largest one, that is a rounding error: layers in contact.
+ROUNDING = 1e-9
 
 
 def equations_of(problem: RollProblem) -> StageEquations:
     """Return the boundary-value problem of the stages of a roll, with its stack and core.
 
     The core condition is Q = b P - T_c with b = E_t/E_c - 1 + nu, E_c the stiffness of the core.
+    With a web speed and a density they are those of the running roll.
     """
     stack, E_c = problem.stack, problem.core.effective_stiffness
     E_t, law = stack.tangential, stack.radial
     core = min(E_t / E_c, SOFTEST_CORE) - 1 + stack.poissons_ratio
-    return StageEquations(law.strain_at, law.modulus, law.modulus_slope, E_t, core)
+    return StageEquations(
+        law.strain_at,
+        law.modulus,
+        law.modulus_slope,
+        E_t,
+        core,
+        centrifugal=problem.centrifugal_stress,
+        poissons_ratio=stack.poissons_ratio,
+    )
 
 
 def surface_layer_depth(problem: RollProblem) -> float:
@@ -52,8 +75,8 @@ def surface_layer_depth(problem: RollProblem) -> float:
     It is not a layer of the web.  The modulus doubles in it; if the modulus is nearly constant,
     solutions of the incremental equation decay in it.
     """
-    law, T = problem.stack.radial, float(problem.tension_curve.at(np.array(problem.core.radius)))
-    E = float(law.modulus(0.0))
+    law, E = problem.stack.radial, float(problem.stack.radial.modulus(0.0))
+    T = float(problem.tension_curve.at(np.array(problem.core.radius))) - problem.centrifugal_stress
     return min(law.pressure_at_modulus(2 * E) / T, (E / problem.stack.tangential) ** 0.5, 0.3)
 
 
@@ -69,6 +92,22 @@ def final_changes(problem: RollProblem) -> tuple[float, float]:
     return source, core
 
 
+def core_gap(result: Any) -> float:
+    """Return the gap between core and roll of a roll result [m], zero if they touch.
+
+    It follows from the core condition: (b P - T_c - Q) r_c/E_t, with P = 0.  Nan for a core that is
+    removed.
+    """
+    problem, P, Q = result.problem, result.pressure[0], result.pressure_gradient[0]
+    if problem.core_removed:
+        return float("nan")
+    if P != 0:
+        return 0.0
+    r_c = problem.core.radius
+    T_c = float(problem.tension_curve.at(np.array([r_c]))[0]) + final_changes(problem)[1]
+    return float(-(T_c + Q) * r_c / problem.stack.tangential)
+
+
 def add_constant(source: CellSource, constant: float) -> CellSource:
     """Return a source with a constant [Pa] added in every cell."""
     return CellSource(*(part + constant for part in source))
@@ -77,7 +116,7 @@ def add_constant(source: CellSource, constant: float) -> CellSource:
 def finished_arrays(
     problem: RollProblem, x: Array, growth: Growth, solved: StageSolution
 ) -> dict[str, Any]:
-    """Return the arrays of a roll result after the changes of the finished roll.
+    """Return the arrays of a roll result at rest, after the changes of the finished roll.
 
     Parameters
     ----------
@@ -87,7 +126,7 @@ def finished_arrays(
     growth : Growth
         Kappa at the stages of the build-up, from which the source follows.
     solved : StageSolution
-        Pressure as wound, the initial guess of that after the changes.
+        Pressure as wound, the initial guess of that at rest after the changes.
 
     Returns
     -------
@@ -99,16 +138,13 @@ def finished_arrays(
     NotConverged
         If no equilibrium exists after the changes.
     """
-    equations, curve, stack = equations_of(problem), problem.tension_curve, problem.stack
+    equations, curve, stack = equations_of(problem).at_rest, problem.tension_curve, problem.stack
+    x, P, Q = _finished_state(problem, equations, x, growth, solved)
     r = np.exp(x)
-    T = curve.at(r)
     r[0], r[-1] = problem.core.radius, problem.radius  # without the rounding error of exp(ln r)
-    source_change, core_change = final_changes(problem)
+    T, source_change = curve.at(r), final_changes(problem)[0]
     source = add_constant(cell_source(curve, growth, x), source_change)
-    final = equations.solve(StageData(x, source, float(T[0]) + core_change), solved.P, solved.Q)
-    if final is None:
-        raise NotConverged("no equilibrium after the change of temperature or core")
-    P, Q, E_t = final.P, final.Q, stack.tangential
+    E_t = stack.tangential
     hoop = -(P + Q)
     strain = (hoop + stack.poissons_ratio * P) / E_t
     strain = strain + problem.tangential_expansion * problem.temperature_change
@@ -128,7 +164,77 @@ def finished_arrays(
         "stage_order": growth.point_counts,
         # nan until layers of a finite thickness are computed (ThinLayerRoll.with_finite_layers)
         "layer_growth": np.full_like(growth.kappa, np.nan),
-        # -r P' = T at the surface of the roll as wound, except for the discretisation error
-        "surface_slope": float(-solved.Q[-1] / T[-1] - 1),
+        # -r P' = T - c at the surface of the roll as wound, except for the discretisation error
+        "surface_slope": float(-solved.Q[-1] / (T[-1] - problem.centrifugal_stress) - 1),
         "steps": equations.steps,
     }
+
+
+def _finished_state(
+    problem: RollProblem,
+    equations: StageEquations,
+    x: Array,
+    growth: Growth,
+    wound: StageSolution,
+) -> tuple[Array, Array, Array]:
+    """Return nodes ln r, P and Q of the finished roll, (M,) arrays [Pa].
+
+    The nodes differ from those of the roll as wound only if layers have parted.
+
+    Parameters
+    ----------
+    problem : RollProblem
+    equations : StageEquations
+        Of thin layers.
+    x : (n + 1,) array
+        ln r of the nodes as wound.
+    growth : Growth
+    wound : StageSolution
+        As wound.
+
+    Raises
+    ------
+    NotConverged
+        If no equilibrium exists after the changes.
+    """
+    curve, removed = problem.tension_curve, problem.core_removed
+    source_change, core_change = final_changes(problem)
+    T_c = float(curve.at(np.array([problem.core.radius]))[0]) + core_change
+
+    def source_at(nodes: Array) -> CellSource:
+        """Return the source in the cells between nodes, after the changes [Pa]."""
+        return add_constant(cell_source(curve, growth, nodes), source_change)
+
+    def nodes_of_zone(inner: float, outer: float) -> Array:
+        """Return as many nodes between two ends as the roll has, dense at both."""
+        kinks = kinks_of(curve, growth, outer)
+        cells = max(x.size - 1 - curve.kinks.size, FEWEST_CELLS)
+        depth = surface_layer_depth(problem)
+        return nodes_between(inner, outer, cells, depth, *kinks, equations.core_layer)
+
+    data = StageData(x, source_at(x), T_c)
+    final = solve_on_core(equations, data, wound.P, wound.Q, removed)
+    if final is None:
+        raise NotConverged("no equilibrium after the change of temperature or core")
+    (P, Q, _), off_core = final
+    if np.min(P) < -ROUNDING * np.max(np.abs(P)):
+        try:
+            return with_open_layers(equations, source_at, nodes_of_zone, T_c, (x, wound.P), removed)
+        except NotSeparatedError as fault:
+            text = f"after the change of temperature or core {fault}"
+            raise NotConverged(text) from None
+    if off_core[0]:
+        P[0] = 0.0  # without rounding: it marks a roll off its core
+    return x, P, Q
+
+
+def finished_zones(problem: RollProblem, P: Array, Q: Array) -> ContactZones:
+    """Return the zones of a finished roll whose layers are in contact.
+
+    Parameters
+    ----------
+    problem : RollProblem
+    P, Q : (M,) arrays
+        Pressure and Q = r dP/dr of the result [Pa].
+    """
+    return contact_zones(P, Q, problem.core_removed or bool(P[0] == 0))

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import NotConverged
 from .build_up import Layers
-from .equations import StageData, interpolate_pressure
-from .finished import add_constant, equations_of, final_changes
+from .equations import interpolate_pressure
+from .finished import add_constant, equations_of, final_changes, finished_zones
+from .separation import solve_on_core
 from .stage_nodes import cell_source
 
-__all__ = ["finite_layer_effects", "finite_layer_stresses", "layers_of"]
+if TYPE_CHECKING:
+    from ..problems.roll import RollProblem
+
+__all__ = [
+    "finite_layer_effects",
+    "finite_layer_stresses",
+    "layers_of",
+    "with_bore_displacement",
+]
 
 Array = np.ndarray
 
@@ -40,18 +50,25 @@ def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
     source = add_constant(cell_source(tension, result.layer_kappa, x), source_change)
     T_c = float(tension.at(result.radius[:1])[0]) + core_change
     P, Q, own = result.pressure, result.pressure_gradient, layers.own_pressure(x)
-    # nothing presses on the outermost layer
-    solved = layers.equations.solve(StageData(x, source, T_c, -float(own[-1])), P, Q)
-    if solved is None:
+    # nothing presses on the outermost layer, nor on the ends of open zones, whose edges are kept
+    zones = finished_zones(result.problem, P, Q)
+    stage, part = zones.stage(x, source, T_c, -own), zones.nodes
+    never_on_core = zones.off_core.copy()
+    never_on_core[0] = result.problem.core_removed or part[0] > 0
+    found = solve_on_core(layers.equations.at_rest, stage, P[part], Q[part], never_on_core)
+    if found is None:
         raise NotConverged("the roll with layers of the web thickness could not be solved", result)
+    solved = found[0]
     # r p' = h T'/2 - p, at a kink on its outer side
     side = np.append(np.ones(x.size - 1), -1)
     hoop_of_own = -h / 2 * tension.slope(result.radius, side)
-    return solved.P + own - P, (P + Q) - (solved.P + solved.Q) + hoop_of_own
+    change = solved.P + (own - P)[part]
+    hoop_change = (P + Q + hoop_of_own)[part] - (solved.P + solved.Q)
+    return zones.spread(change, x.size), zones.spread(hoop_change, x.size)
 
 
 def finite_layer_effects(result: Any) -> dict[str, float]:
-    """Return the change by finite layers of each output that has an error estimate [Pa].
+    """Return the change by finite layers of each output that has an error estimate [SI].
 
     The hoop stress varies across a layer: its minimum is compared with that of a smooth curve
     through the layers, and at both faces of the layers.  The change may have a zero in the middle
@@ -62,15 +79,33 @@ def finite_layer_effects(result: Any) -> dict[str, float]:
     middle = r[0] + build_up * (0.5 + NEIGHBOURHOOD * np.array([-1.0, 1.0]))
     near_middle = (middle[0] <= r) & (r <= middle[1])
     size = np.abs(change) * _higher_order_factor(change, result.pressure)
+    factor = _factor_at_core(result)
+    size[0] = max(size[0], abs(change[0]) * factor)
     # the smooth curve, and the inner and the outer faces
     hoop = result.hoop_stress + hoop_change, *_hoop_stress_at_faces(result, change, hoop_change)
-    least = result.least_hoop_stress
-    return {
+    least, bore = result.least_hoop_stress, result.bore_hoop_stress
+    effects = {
         "peak_pressure": float(np.max(size)),
         "core_pressure": float(size[0]),
         "mid_pressure": float(max(*np.interp(middle, r, size), *size[near_middle])),
-        "least_hoop_stress": max(abs(float(np.min(curve)) - least) for curve in hoop),
+        "least_hoop_stress": max(
+            abs(float(np.min(curve)) - least) * (1.0 if np.argmin(curve) else factor)
+            for curve in hoop
+        ),
+        "bore_hoop_stress": max(abs(float(curve[0]) - bore) for curve in hoop) * factor,
     }
+    return with_bore_displacement(result.problem, effects)
+
+
+def with_bore_displacement(problem: RollProblem, errors: Mapping[str, float]) -> dict[str, float]:
+    """Return errors of a roll's outputs with that of the bore's displacement [m].
+
+    The displacement is r_c times the change of the strain (sigma_t + nu P)/E_t at the bore, whose
+    errors are those of ``bore_hoop_stress`` and ``core_pressure`` [Pa].
+    """
+    stack, r_c = problem.stack, problem.core.radius
+    stress = errors["bore_hoop_stress"] + stack.poissons_ratio * errors["core_pressure"]
+    return {**errors, "bore_displacement": r_c * stress / stack.tangential}
 
 
 def _higher_order_factor(change: Array, pressure: Array) -> Array:
@@ -80,9 +115,28 @@ def _higher_order_factor(change: Array, pressure: Array) -> Array:
     P = p/x, and finite ones to p/(1 - exp(-x)): a relative change of x/(1 - exp(-x)) - 1, of which
     the term of first order is x/2.  The factor is between 1 and 2.
     """
-    x = 2 * np.abs(change) / np.maximum(pressure, np.finfo(float).tiny)
-    x = np.clip(x, 1e-4, 1e4)  # below, the factor is 1 + x/6
+    size = 2 * np.abs(change)
+    # at most 1e4, also where the pressure is zero
+    x = size / np.maximum(pressure, np.maximum(1e-4 * size, np.finfo(float).tiny))
+    x = np.maximum(x, 1e-4)  # below, the factor is 1 + x/6
     return np.asarray((x / -np.expm1(-x) - 1) / (x / 2))
+
+
+def _factor_at_core(result: Any) -> float:
+    """Return the factor of a change at the core that includes the terms of higher order.
+
+    At a soft core, b > 0, the pressure on it by a layer at s is p/(1 + b ln(s/r_c)), not an
+    exponential: with z = r_c/(b h), the sum over layers is sum_n 1/(1 + n/z), and it exceeds the
+    integral by z (ln z - digamma(z)) instead of 1/2.
+    """
+    from scipy.special import digamma
+
+    b, h = equations_of(result.problem).core, float(result.problem.web_thickness)
+    if b <= 0 or result.is_off_core:
+        return 1.0
+    z = result.problem.core.radius / (b * h)
+    # for large z, ln z and digamma cancel: their difference is 1/(2 z) + 1/(12 z^2) - ...
+    return 1 + 1 / (6 * z) if z > 100 else float(2 * z * (np.log(z) - digamma(z)))
 
 
 def _hoop_stress_at_faces(result: Any, change: Array, hoop_change: Array) -> tuple[Array, Array]:

@@ -14,9 +14,10 @@ from ..problems.thickness_profile import Lanes
 from ..quantities import Quantity, length, line_load, on_request, share, strain, stress
 from .build_up import BuildUp, NotWoundError
 from .equations import StageData, StageSolution, stretched
-from .finished import add_constant, equations_of, final_changes, surface_layer_depth
+from .finished import ROUNDING, add_constant, equations_of, final_changes, surface_layer_depth
 from .lane_tension import tension_of_web
 from .lanes import LOAD, RHO, THETA, WEB, LaneBuildUp, TensionAt, wind_lanes
+from .separation import solve_on_core
 from .stage_nodes import cell_source, kinks_of, nodes_between
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ __all__ = [
     "LANES",
     "LANE_QUANTITIES",
     "MOST_LANES",
+    "NIP_LOADS",
     "POSITION",
     "LaneRoll",
     "NipsAcross",
@@ -42,18 +44,26 @@ Array = np.ndarray
 FEWEST_LANES, MOST_LANES = 4, 1000
 LANES = 50  # by default: they resolve smooth profiles to 0.1 % of the tension
 TOLERANCE = 2e-3  # of the stages by default, that of a roll with the default rtol
-ROUNDING = 1e-9  # of the largest pressure: a smaller negative one is a rounding error
 SLACK = 1e-9  # of the mean tension: a lane with less is slack
 
 PRESSURES = ("pressure", "core_pressure", "compression")  # among the worst values
 POSITION = length("y", "position across the web")
-# Variables of the lanes over radius and position.
+# Loads of the nips in the direction of travel.
+NIP_LOADS = ("nip_load", "front_load", "rider_load")
+# Variables of the lanes over radius and position; those of the front drum and the rider only on a
+# two-drum winder whose nips are solved, deflections only of beams that the problem has.
 LANE_QUANTITIES: Mapping[str, Quantity] = {
     "pressure": stress("P_j", "pressure between the layers of a lane"),
     "hoop_stress": stress("sigma_t,j", "hoop (MD) stress of a lane, > 0: tension"),
     "wound_on_tension": line_load("WOT_j", "wound-on tension of a lane"),
     "web_tension": line_load("T_in,j", "web tension of a lane, upstream of the nip"),
     "nip_load": line_load("P_N,j", "nip load on a lane"),
+    "front_load": line_load("P_2", "load of the front drum on a lane"),
+    "rider_load": line_load("P_3", "load of the rider roll on a lane"),
+    "drum_deflection": length("w_d", "deflection of the drum away from the roll", "um"),
+    "core_deflection": length("w_c", "deflection of the core away from the drum", "um"),
+    "front_deflection": length("w_2", "deflection of the front drum away from the roll", "um"),
+    "rider_deflection": length("w_3", "deflection of the rider away from the roll", "um"),
     "ridge_height": length("dR_j", "height of the surface of a lane over the mean one", "um"),
     "band_strain": strain("eps_j", "strain along the web of a lane as wound"),
 }
@@ -70,8 +80,12 @@ class NipsAcross(Protocol):
         """Return T_in at radii [N/m]."""
         ...
 
-    def nip_load(self, r: Array) -> Array:
-        """Return N at radii [N/m]; nan if no load is shared between the lanes."""
+    def nip_loads(self, r: Array) -> Array:
+        """Return N_k of all nips at radii (M,), (K, M) [N/m]; one row of nan if none is shared."""
+        ...
+
+    def deflections(self, lanes: Lanes, loads: Array) -> Mapping[str, Array]:
+        """Return the deflections of drums and core (L, M) [m] under loads (K, L, M), by name."""
         ...
 
 
@@ -113,6 +127,8 @@ class LaneRoll:
         Of the layers in the mean roll [m].
     pressure, hoop_stress, wound_on_tension, web_tension, nip_load, ridge_height, band_strain
         (L, M) arrays, see :data:`LANE_QUANTITIES` [SI].
+    further : mapping of str to (L, M) array
+        Loads of further nips and deflections, by the names of :data:`LANE_QUANTITIES`.
     stages : int
         Number of stages of the build-up.
     stage_error : float
@@ -132,7 +148,14 @@ class LaneRoll:
     band_strain: Array
     stages: int
     stage_error: float
+    further: Mapping[str, Array] = field(default_factory=dict)
     errors: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def arrays(self) -> dict[str, Array]:
+        """The variables over lanes and radius that the roll has, (L, M) arrays, by name."""
+        own = {name: getattr(self, name) for name in LANE_QUANTITIES if hasattr(self, name)}
+        return {**own, **self.further}
 
     @cached_property
     def worst(self) -> WorstLane:
@@ -152,8 +175,12 @@ class LaneRoll:
 
     def of_lanes(self, lanes: Lanes) -> LaneRoll:
         """Return the first lanes, which are ``lanes``."""
-        arrays = {name: getattr(self, name)[: lanes.share.size] for name in LANE_QUANTITIES}
-        return replace(self, lanes=lanes, **arrays)
+        count = lanes.share.size
+        further = {name: values[:count] for name, values in self.further.items()}
+        own: dict[str, Any] = {
+            name: values[:count] for name, values in self.arrays.items() if name not in further
+        }
+        return replace(self, lanes=lanes, **own, further=further)
 
     def with_finite_layers(self, effect: float) -> LaneRoll:
         """Return the lanes with the effect of the thickness of the layers in their errors.
@@ -173,10 +200,11 @@ class LaneRoll:
         variables = {
             name: (
                 ("radius", "position"),
-                getattr(self, name).T,
+                values.T,
                 {"units": q.unit, "long_name": q.meaning, "symbol": q.symbol},
             )
-            for name, q in LANE_QUANTITIES.items()
+            for name, values in self.arrays.items()
+            for q in [LANE_QUANTITIES[name]]
         }
         across = {
             "share": ("position", self.lanes.share, {"units": "1"}),
@@ -231,8 +259,11 @@ class WithLanes:
         Variables over (``radius``, ``position``), in SI units: ``pressure`` and ``hoop_stress``
         [Pa], ``wound_on_tension``, ``web_tension`` and ``nip_load`` per width of the lane [N/m],
         ``ridge_height`` of the surface over the mean one [m], ``band_strain`` of the web as wound
-        [1]; over ``position`` ``share``, ``thickness_excess`` and ``slack`` [1].  A radius is that
-        of the same layer in the mean roll.
+        [1]; on a two-drum winder also ``front_load`` and ``rider_load`` [N/m]; where the problem
+        has beams, ``drum_deflection``, ``core_deflection``, ``front_deflection`` and
+        ``rider_deflection`` from the bearings [m]; over ``position`` ``share``,
+        ``thickness_excess`` and ``slack`` [1].  A radius is that of the same layer in the mean
+        roll.
         """
         return None if (lanes := self._lanes()) is None else lanes.dataset()
 
@@ -389,12 +420,15 @@ def _solve(
     T, h, thickness = curve.at(r), float(problem.web_thickness), (1 + lanes.excess)[:, None]
     theta = _shared(functions[THETA], lanes.share * (1 + lanes.excess))
     tension = h * T * theta * thickness
-    web = tension
-    load = np.full_like(tension, np.nan)
+    web, loads, deflections = tension, [np.full_like(tension, np.nan)], {}
     if nips is not None:
         of_web = _shared(functions[WEB], lanes.share * (1 + lanes.excess))
         web = nips.web_tension(r) * of_web * thickness
-        load = nips.nip_load(r) * _shared(functions[LOAD], lanes.share)
+        loads = [
+            N * _shared(share, lanes.share)
+            for N, share in zip(nips.nip_loads(r), functions[LOAD:], strict=True)
+        ]
+        deflections = dict(nips.deflections(lanes, np.array(loads)))
     return LaneRoll(
         lanes=lanes,
         radius=r,
@@ -403,11 +437,12 @@ def _solve(
         hoop_stress=-(P + Q),
         wound_on_tension=tension,
         web_tension=web,
-        nip_load=load,
+        nip_load=loads[0],
         ridge_height=functions[RHO] * r,
         band_strain=T * theta / equations.tangential,
         stages=wound.curves.x.size - 1,
         stage_error=wound.largest_error,
+        further={**dict(zip(NIP_LOADS[1:], loads[1:], strict=False)), **deflections},
     )
 
 
@@ -429,12 +464,15 @@ def _finished(problem: Any, wound: LaneBuildUp, lanes: Lanes) -> tuple[Array, Ar
         source=add_constant(wound.data.source, source_change),
         tension=wound.data.tension + core_change,
     )
-    solved = equations_of(problem).solve(data, wound.P.ravel(), wound.Q.ravel())
-    if solved is None:
+    found = solve_on_core(
+        equations_of(problem), data, wound.P.ravel(), wound.Q.ravel(), problem.core_removed
+    )
+    if found is None:
         raise NotConverged("no equilibrium of the lanes after the change of temperature or core")
+    solved, _ = found
     P, Q = solved.P.reshape(wound.P.shape), solved.Q.reshape(wound.P.shape)
     loosest = np.unravel_index(np.argmin(P), P.shape)
-    changed = source_change or core_change
+    changed = source_change or core_change or problem.core_removed
     if changed and P[loosest] < -ROUNDING * float(np.max(P)):
         place = f"the lane at {lanes.position[loosest[0]]:.4g} m across the web"
         raise NotConverged(

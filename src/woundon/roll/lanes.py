@@ -47,6 +47,7 @@ from .build_up import (
     IMPLICIT_ERROR,
     KINK_STEP,
     SMALLEST_STEP,
+    STEP_STRETCH,
     BuildUp,
     NotWoundError,
     no_stage_beyond,
@@ -78,9 +79,11 @@ MAX_STAGES = 5000  # a plain roll has about 50
 LAST_STEP = 1e-5
 LEAST_SOFTENING = 0.1  # smallest part of 1 + kappa by which a lane yields to its tension
 SMALLEST_PRESSURE = 1e-4  # of the largest: smaller pressures, of slack lanes, count relative to it
-LONGEST_GROWTH = 3.0  # of a step relative to the one before, as in the build-up of a plain roll
-KAPPA, THETA, RHO, WEB, LOAD = range(5)  # rows of the functions of every lane
-FUNCTIONS = 5
+# Longest step relative to the one before, that of a plain roll, whose steps are extended to kinks:
+# lanes of equal thickness then need no further stages.
+LONGEST_GROWTH = 3.0 * (1 + STEP_STRETCH)
+# Rows of the functions of every lane; from LOAD on there is one for each nip.
+KAPPA, THETA, RHO, WEB, LOAD = range(5)
 
 
 class _Points(NamedTuple):
@@ -149,8 +152,8 @@ class LaneBuildUp:
     Attributes
     ----------
     curves : Growth
-        The functions of all lanes over ln s, (J, 5 L): the difference of kappa from that of the
-        mean roll, theta, rho, and web tension and nip load relative to their means.
+        The functions of all lanes over ln s, (J, (4 + K) L): the difference of kappa from that of
+        the mean roll, theta, rho, and web tension and the loads of K nips relative to their means.
     x : (n + 1,) array
         ln r of the nodes in the mean roll.
     P, Q : (L, n + 1) arrays
@@ -176,9 +179,9 @@ class LaneBuildUp:
     data: StageData | None = None
 
     def functions(self, x: Array) -> Array:
-        """Return the functions of the lanes at ln s (k,), (5, L, k)."""
+        """Return the functions of the lanes at ln s (k,), (4 + K, L, k)."""
         values = self.curves(x)
-        return np.moveaxis(values.reshape(x.size, FUNCTIONS, -1), 0, -1)
+        return np.moveaxis(values.reshape(x.size, -1, self.P.shape[0]), 0, -1)
 
 
 def wind_lanes(
@@ -291,7 +294,7 @@ class _Lanes:
         on_core = tension_at(start, zero, zero, zero + 1)
         if on_core is None:
             raise NotWoundError(no_stage_beyond(start))
-        values = np.concatenate([zero, on_core.wound_on, zero, on_core.web, on_core.load])
+        values = np.concatenate([zero, on_core.wound_on, zero, on_core.web, *on_core.load])
         self.T_c = float(tension.at(np.array([exp(start)]))[0])
         self.core_tension = self.T_c * on_core.wound_on
         self.last: LaneBuildUp | _Core = _Core(Growth(start, values))
@@ -318,7 +321,7 @@ class _Lanes:
         else:
             nodes, P, Q = known[0], known[1].P, known[1].Q
         curves = self.last.curves
-        guess = np.array(curves.extrapolate(surface)).reshape(FUNCTIONS, -1)
+        guess = np.array(curves.extrapolate(surface)).reshape(-1, self.lanes.share.size)
         solved = self._solve(nodes, P, Q, guess)
         if solved is None:
             return None, np.inf
@@ -359,7 +362,7 @@ class _Lanes:
         """
         last = self.last
         if isinstance(last, _Core):
-            theta = last.curves.kappa[0].reshape(FUNCTIONS, -1)[THETA][:, None]
+            theta = last.curves.kappa[0].reshape(-1, self.lanes.share.size)[THETA][:, None]
             return theta * P, theta * Q
         dP, dQ = stretched(last.x, last.P - last.reference_P, last.Q - last.reference_Q, nodes)
         return np.maximum(P + dP, 0.0), Q + dQ
@@ -369,7 +372,7 @@ class _Lanes:
         last = self.last
         assert isinstance(last, LaneBuildUp)
         points = self._points(last.x, last.curves)
-        X, source, *_ = self._sources(last.x, points, np.zeros((FUNCTIONS, 1)))
+        X, source, *_ = self._sources(last.x, points, np.zeros((WEB, 1)))
         return replace(last, data=stage_data(X, source, self.core_tension))
 
     def _points(self, nodes: Array, candidate: Growth) -> _Points:
@@ -378,7 +381,7 @@ class _Lanes:
         x = np.concatenate([nodes[:-1], (nodes[1:] + nodes[:-1]) / 2, nodes[1:]])
         side = np.repeat([1, 1, -1], n)  # of a kink that is a node
         functions, slopes = (
-            np.moveaxis(values.reshape(x.size, FUNCTIONS, -1)[:, :WEB], 0, -1)
+            np.moveaxis(values.reshape(x.size, -1, self.lanes.share.size)[:, :WEB], 0, -1)
             for values in (candidate(x), candidate.slope(x, side))
         )
         basis = basis_slope = np.zeros(x.size)
@@ -407,12 +410,12 @@ class _Lanes:
             ln r in the mean roll.
         mean_P, mean_Q : (n + 1,) arrays
             Of the mean roll [Pa].
-        guess : (5, L) array
+        guess : (4 + K, L) array
             Of the functions at this stage.
 
         Returns
         -------
-        (5, L) array, two (L, n + 1) arrays
+        (4 + K, L) array, two (L, n + 1) arrays
             The functions, P and Q [Pa].
         """
         lanes, E_t = self.lanes, self.equations.tangential
@@ -451,7 +454,7 @@ class _Lanes:
             P, Q = P - step[..., 0], Q - step[..., 1]
             rho = c - mu * tension.wound_on
             drho = rho - values[RHO]
-            values = np.array(
+            values = np.vstack(
                 [values[KAPPA] + dkappa, tension.wound_on, rho, tension.web, tension.load]
             )
             if not np.isfinite(values).all():
@@ -490,7 +493,8 @@ class _Lanes:
             for each in (by_kappa, by_theta)
         ]
         of_kappa, of_theta = factors.solve(np.array(right).T).T.reshape(2, *P.shape, 2)
-        kappa_by_P = self.equations.kappa_by_pressure(data, P.ravel(), layer[::2], E)
+        of_layer = layer[::2]
+        kappa_by_P = self.equations.kappa_by_pressure(data, P.ravel(), of_layer, of_layer, E)
         step, layer = (part.reshape(*P.shape, 2) for part in (step, layer))
         own, of_step, of_tension = (
             (kappa_by_P.reshape(P.shape) * part[..., 0]).sum(axis=1)
@@ -507,7 +511,7 @@ class _Lanes:
         nodes : (n + 1,) array
             ln r in the mean roll.
         points : _Points
-        change : (5, L) array
+        change : (k, L) array, k >= 3
             Difference of the functions at the stage from their guess.
 
         Returns

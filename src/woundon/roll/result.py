@@ -5,20 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import pi
+from math import nan, pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
+from ..arguments import check_type
 from ..quantities import Quantity, length, line_load, pure, share, strain, stress
 from ..results import Residuals, Result
 from .certificate import certificate
+from .collapse import collapse_loads
 from .density import density_during_winding, finished_density, volume, wound_length
+from .finished import core_gap, final_changes
 from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .growth import Growth
 from .lane_roll import LANES, LaneRoll, WithLanes, build_up_of, solve_lanes
-from .stages import stage_arrays, stresses_between
+from .stages import Stage, stage_arrays, stresses_between, wound_stage
 from .validity import roll_warnings
 
 if TYPE_CHECKING:
@@ -40,7 +43,7 @@ class RollResult(WithLanes, Result):
     radius : (M,) array
         Radii of the nodes, from the core to the surface [m].
     pressure : (M,) array
-        P between the layers [Pa].
+        P between the layers of the roll at rest [Pa]; ``running_pressure`` while it runs.
     hoop_stress : (M,) array
         sigma_t along the web, > 0 tension [Pa].
     displacement : (M,) array
@@ -50,18 +53,21 @@ class RollResult(WithLanes, Result):
     radial_modulus : (M,) array
         E_r(P), the radial modulus of the stack [Pa].
     source : (M,) array
-        C = r^2 P'' + 3 r P' + P - E_t F(P), constant since the layer at r was wound [Pa].
+        C = r^2 P'' + 3 r P' + P - E_t F(P) at rest, constant since the layer at r was wound [Pa].
     pressure_gradient : (M,) array
         r P' [Pa].
     stage_radius, growth : (J,) arrays
         Surface radii of the stages of the build-up [m], and kappa of these stages: the relative
-        change with ln r, at the surface, of the pressure increment by a further layer [1].
+        change with ln r, at the surface, of the pressure increment by a further layer [1].  With
+        centrifugal force it is the number for which a further layer of the thickness h moves the
+        surface inwards by (1 + kappa) h T/E_t.
     stage_order : (J,) int array
         Number of stages interpolated by the polynomial of kappa that ends at each stage.
     layer_growth : (J,) array
         Kappa with layers of the web thickness instead of thin layers.
     surface_slope : float
-        -r P'/T - 1 at the surface, 0 except for the discretisation error [1].
+        -r P'/T - 1 at the surface as wound, 0 except for the discretisation error [1]; of a running
+        roll T is less the centrifugal stress.
     steps : int
         Number of linear systems solved.
     lane_count : int
@@ -116,7 +122,13 @@ class RollResult(WithLanes, Result):
 
     def recompute_lanes(self) -> LaneRoll:
         """Solve for the lanes again, with the default tolerance of the solver."""
-        lanes = solve_lanes(self, build_up_of(self), self.problem, count=self.lane_count or LANES)
+        count = self.lane_count or LANES
+        if self.problem.centrifugal_stress:  # which the lanes neglect
+            from .solve import solve_wound_roll
+
+            still = solve_wound_roll(self.problem.replace(web_speed=None), lanes=count)
+            return still.recompute_lanes()
+        lanes = solve_lanes(self, build_up_of(self), self.problem, count=count)
         return lanes.with_finite_layers(abs(self.finite_layer_effect))
 
     @property
@@ -142,12 +154,117 @@ class RollResult(WithLanes, Result):
         return float(np.min(self.hoop_stress))
 
     @property
+    def is_changed(self) -> bool:
+        """True if the finished roll differs from the roll as wound."""
+        return self.problem.core_removed or any(final_changes(self.problem))
+
+    @cached_property
+    def as_wound(self) -> Stage:
+        """The roll as wound, before the changes of the finished roll."""
+        return wound_stage(self)
+
+    @property
+    def is_off_core(self) -> bool:
+        """True if the roll does not touch its core: it is removed, or has shrunk away."""
+        return self.problem.core_removed or self.pressure[0] == 0
+
+    @property
+    def bore_hoop_stress(
+        self,
+    ) -> Annotated[float, stress("sigma_b", "hoop (MD) stress at the bore, > 0: tension")]:
+        """sigma_t of the innermost layer [Pa]."""
+        return float(self.hoop_stress[0])
+
+    @property
+    def bore_displacement(
+        self,
+    ) -> Annotated[float, length("u_b", "change of the radius of the bore since winding", "um")]:
+        """Outward displacement of the innermost layer since it was wound [m].
+
+        Winding, the changes after it and the release from the core move it.
+        """
+        return float(self.displacement[0])
+
+    @property
+    def core_gap(
+        self,
+    ) -> Annotated[float, length("g_c", "gap between the core and the roll", "um")]:
+        """Radial gap between core and roll, zero if they touch [m]; nan if the core is removed."""
+        return core_gap(self)
+
+    @property
+    def opening(
+        self,
+    ) -> Annotated[Array, strain("eps_g", "gaps between the layers, per thickness of the layers")]:
+        """Radial strain by gaps between open layers, C/E_t; zero where they are in contact [1]."""
+        is_open = (self.pressure == 0) & (self.pressure_gradient == 0)
+        return np.where(is_open, self.source / self.problem.stack.tangential, 0.0)
+
+    @property
+    def separation_radius(
+        self,
+    ) -> Annotated[float, length("r_s", "outer radius of the open layers")]:
+        """Largest radius at which the layers have separated [m]; nan if none have."""
+        is_open = self.opening > 0
+        return float(self.radius[is_open][-1]) if is_open.any() else float("nan")
+
+    @property
+    def sliding_collapse_load(
+        self,
+    ) -> Annotated[float, pure("c_s", "pressure on the inner layers / buckling, free sliding")]:
+        """Pressure on the inner layers over their buckling pressure, if they slide freely [1].
+
+        Below 1 they do not collapse; nan on a core, which supports them.
+        """
+        return collapse_loads(self).sliding
+
+    @property
+    def bonded_collapse_load(
+        self,
+    ) -> Annotated[float, pure("c_b", "pressure on the inner layers / buckling, bonded layers")]:
+        """Pressure on the inner layers over their buckling pressure, if they stick together [1].
+
+        Above 1 they collapse even without slip; nan on a core, which supports them.
+        """
+        return collapse_loads(self).bonded
+
+    @property
     def compressed_share(
         self,
     ) -> Annotated[float, share("s_c", "fraction of the build-up with hoop compression")]:
         """Fraction of the radial build-up in which sigma_t < 0 [1]."""
         r = np.linspace(self.radius[0], self.radius[-1], SAMPLES)
         return float(np.mean(self.at_radius(r)["hoop_stress"] < 0))
+
+    @property
+    def running_pressure(
+        self,
+    ) -> Annotated[Array, stress("P_V", "pressure between the layers of the running roll")]:
+        """P of the finished roll while it still runs [Pa]; length 0 without centrifugal force."""
+        return self.as_wound.pressure if self.problem.centrifugal_stress else np.zeros(0)
+
+    @property
+    def running_hoop_stress(
+        self,
+    ) -> Annotated[Array, stress("sigma_V", "hoop (MD) stress of the running roll, > 0: tension")]:
+        """sigma_t of the finished roll while it still runs [Pa]; length 0 as running_pressure."""
+        if not self.problem.centrifugal_stress:
+            return np.zeros(0)
+        return self.as_wound.stresses_at(self.radius)[1]
+
+    @property
+    def running_core_pressure(
+        self,
+    ) -> Annotated[float, stress("P_c,V", "pressure of the running roll on the core")]:
+        """P of the running roll at the core [Pa]; nan without centrifugal force."""
+        return float(self.running_pressure[0]) if self.running_pressure.size else nan
+
+    @property
+    def centrifugal_tension(
+        self,
+    ) -> Annotated[float, line_load("m V^2", "part of the tension taken by centrifugal force")]:
+        """m V^2, by which the running web presses less [N/m]; nan without speed or density."""
+        return self.problem.centrifugal_tension or nan
 
     @property
     def finite_layer_change(
@@ -250,13 +367,15 @@ class RollResult(WithLanes, Result):
         """Wound mass divided by the volume of the roll [kg/m^3]; nan as ``mass``."""
         return self.wound_mass / float(volume(self))
 
-    def at_radius(self, radius: ArrayLike) -> dict[str, Any]:
+    def at_radius(self, radius: ArrayLike, *, running: bool = False) -> dict[str, Any]:
         """Return pressure and hoop stress at any radii.
 
         Parameters
         ----------
         radius : array_like
             [m], from the core to the surface.
+        running : bool
+            True for the finished roll while it still runs, before the changes after winding.
 
         Returns
         -------
@@ -268,7 +387,8 @@ class RollResult(WithLanes, Result):
         InvalidProblem
             For a radius outside the roll.
         """
-        return stresses_between(self, radius)
+        check_type("running", running, bool)
+        return stresses_between(self, radius, running=running)
 
     def at(self, radius: float) -> RollResult:
         """Return the stage of the build-up with a given surface radius.

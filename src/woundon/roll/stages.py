@@ -18,14 +18,21 @@ from ..problems.messages import quote
 from ..problems.permitted import is_within
 from ..problems.roll import FEWEST_LAYERS, RollProblem
 from ..problems.schedules import AnySchedule, Steps, Taper
-from .equations import StageData, StageSolution, interpolate_pressure, joined, stretched
+from .equations import (
+    StageData,
+    StageEquations,
+    StageSolution,
+    interpolate_pressure,
+    joined,
+    stretched,
+)
 from .finished import equations_of, finished_arrays, surface_layer_depth
 from .stage_nodes import cell_source, kinks_of, nodes_between
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-__all__ = ["Stage", "stage_arrays", "stages_at", "stresses_between"]
+__all__ = ["Stage", "stage_arrays", "stages_at", "stresses_between", "wound_stage"]
 
 Array = np.ndarray
 FEWEST_CELLS = 23
@@ -40,25 +47,34 @@ class Stage(NamedTuple):
         Nodes [m], P and r P' there [Pa].
     tension : float
         Wound-on tension of the outermost layer [N/m].
+    centrifugal, centrifugal_tension : float
+        rho V^2 [Pa] and m V^2 [N/m] of a running roll; zero at rest.
     """
 
     radius: Array
     pressure: Array
     gradient: Array
     tension: float
+    centrifugal: float = 0.0
+    centrifugal_tension: float = 0.0
 
     def stresses_at(self, r: Array) -> tuple[Array, Array]:
-        """Return P and the hoop stress at radii [Pa]."""
+        """Return P and the hoop stress -(P + r P') + c r^2/s^2 at radii [Pa]."""
         P, Q = interpolate_pressure(np.log(self.radius), self.pressure, self.gradient, np.log(r))
-        return P, -(P + Q)
+        return P, self.centrifugal * (r / self.radius[-1]) ** 2 - (P + Q)
 
 
-def stresses_between(result: Any, radius: ArrayLike) -> dict[str, Any]:
+def stresses_between(result: Any, radius: ArrayLike, *, running: bool = False) -> dict[str, Any]:
     """Return ``pressure`` and ``hoop_stress`` [Pa] at radii [m], with the shape of ``radius``.
+
+    With ``running`` they are those of the finished roll while it still runs.
 
     P and Q = r dP/dr are interpolated between the nodes; the hoop stress is -(P + Q).
     """
     r = _radii_on_roll(result, radius)
+    if running:
+        P, hoop = result.as_wound.stresses_at(r)
+        return {"pressure": P[()], "hoop_stress": hoop[()]}
     x = np.log(result.radius)
     P, Q = interpolate_pressure(x, result.pressure, result.pressure_gradient, np.log(r))
     return {"pressure": P[()], "hoop_stress": (-(P + Q))[()]}
@@ -92,20 +108,24 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
         text = f"{quote(surface)} is out of range; must be >= {smallest:.6g} [m]"
         raise InvalidProblem.at("radius", f"{text}, {FEWEST_LAYERS} layers")
     growth = result.kappa.truncate(float(np.log(surface)))
-    x, solved = _solve_stages(result, [surface], result.radius.size - 1)[0]
+    equations = equations_of(problem)
+    x, solved = _solve_stages(result, equations, [surface], result.radius.size - 1)[0]
     stage = problem.replace(
         radius=surface,
         wound_on_tension=_schedule_until(problem, surface),
         # the changes after winding do not apply to a stage
         temperature_change=0.0,
         core_shrinkage=0.0,
+        core_removed=False,
     )
     arrays = finished_arrays(stage, x, growth, solved)
     layer_growth = result.layer_kappa.truncate(growth.x[-1]).kappa
     return {**arrays, "problem": stage, "layer_growth": layer_growth}
 
 
-def stages_at(result: Any, radii: Sequence[float], cells: int | None = None) -> list[Stage]:
+def stages_at(
+    result: Any, radii: Sequence[float], cells: int | None = None, *, at_rest: bool = False
+) -> list[Stage]:
     """Return the pressure at stages of the build-up, without residuals and error estimates.
 
     Parameters
@@ -116,24 +136,54 @@ def stages_at(result: Any, radii: Sequence[float], cells: int | None = None) -> 
     cells : int, optional
         Approximate number of cells without those at kinks of the tension; by default so many that
         there are about as many cells as in the result.
+    at_rest : bool
+        True for the roll stopped at these stages; by default it runs.
     """
     curve, core, R = result.problem.tension_curve, result.problem.core.radius, result.problem.radius
     if cells is None:
         cells = max(result.radius.size - 1 - curve.kinks.size, FEWEST_CELLS)
-    earlier = sorted({radius for radius in radii if radius != R})
-    solutions = dict(zip(earlier, _solve_stages(result, earlier, cells), strict=True))
+    equations = equations_of(result.problem)
+    if at_rest:
+        equations = equations.at_rest
+    # the finished roll is at rest
+    solved = sorted({radius for radius in radii if radius != R or equations.centrifugal})
+    solutions = dict(zip(solved, _solve_stages(result, equations, solved, cells), strict=True))
     tensions = curve.at(np.array(radii)) * float(result.problem.web_thickness)
+    c = equations.centrifugal
+    rotation = c, c * float(result.problem.web_thickness)
     stages = []
     for radius, tension in zip(radii, tensions.tolist(), strict=True):
-        if radius == R:
+        if radius not in solutions:
             arrays = result.radius, result.pressure, result.pressure_gradient
         else:
-            x, solved = solutions[radius]
+            x, solution = solutions[radius]
             r = np.exp(x)
             r[0], r[-1] = core, radius  # without rounding
-            arrays = r, solved.P, solved.Q
-        stages.append(Stage(*arrays, tension))
+            arrays = r, solution.P, solution.Q
+        stages.append(Stage(*arrays, tension, *rotation))
     return stages
+
+
+def wound_stage(result: Any) -> Stage:
+    """Return the roll as wound, while it still runs, at the nodes of the result.
+
+    It is the roll before the changes of the finished roll.
+
+    Raises
+    ------
+    NotConverged
+        If no equilibrium exists.
+    """
+    problem, x = result.problem, np.log(result.radius)
+    curve, equations = problem.tension_curve, equations_of(problem)
+    data = StageData(x, cell_source(curve, result.kappa, x), float(curve.at(result.radius[:1])[0]))
+    P = np.maximum(result.pressure, 0.0)  # changes after winding may separate layers
+    solved = equations.solve(data, P, result.pressure_gradient)
+    if solved is None:
+        raise NotConverged("the roll as wound could not be solved", result)
+    tension = float(curve.at(result.radius[-1:])[0]) * float(problem.web_thickness)
+    rotation = problem.centrifugal_stress, problem.centrifugal_tension
+    return Stage(result.radius, solved.P, solved.Q, tension, *rotation)
 
 
 def _radii_on_roll(result: Any, radius: ArrayLike) -> Array:
@@ -161,13 +211,15 @@ def _radii_on_roll(result: Any, radius: ArrayLike) -> Array:
 
 
 def _solve_stages(
-    result: Any, surfaces: Sequence[float], cells: int
+    result: Any, equations: StageEquations, surfaces: Sequence[float], cells: int
 ) -> list[tuple[Array, StageSolution]]:
     """Solve stages of a result again, together, with the kappa of the result.
 
     Parameters
     ----------
     result : RollResult
+    equations : StageEquations
+        Of the roll, running or at rest.
     surfaces : sequence of float
         Radii of the roll at these stages [m].
     cells : int
@@ -181,7 +233,7 @@ def _solve_stages(
     if not surfaces:
         return []
     problem, growth = result.problem, result.kappa
-    curve, equations = problem.tension_curve, equations_of(problem)
+    curve = problem.tension_curve
     depth, core_radius = surface_layer_depth(problem), problem.core.radius
     nodes = []
     for surface in np.log(surfaces).tolist():

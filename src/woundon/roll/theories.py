@@ -40,8 +40,12 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
 
         P(r) = F(r) int_r^R T/(s F(s)) ds,    sigma_t = T - (F + r F') int_r^R T/(s F(s)) ds
 
-    the sum of the increments by each layer.  A temperature change and core shrinkage add terms in
-    r^(+-g - 1) and a constant.
+    the sum of the increments by each layer.  A temperature change, core shrinkage and the removal
+    of the core add terms in r^(+-g - 1) and a constant.  Layers are taken to stay in contact.
+
+    With centrifugal force the roll at rest is that of the tension T - c + Q_B(s), with c = rho V^2
+    and P_B, Q_B = r P_B' the stresses by the rotation of the roll with the surface s: a layer
+    presses with T - c, and when the roll stops, the stresses by the rotation vanish.
 
     Parameters
     ----------
@@ -73,32 +77,67 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
         return 1 + decaying_term, (g - 1) - (g + 1) * decaying_term
 
     # int_r^R T/(s F(s)) ds over y = ln(s/rc); the scaled integrand decays as exp(-(g-1)(y - x))
-    curve = problem.tension_curve
+    curve, c = problem.tension_curve, problem.centrifugal_stress
+
+    def tension(s: Array) -> Array:
+        """Return T of the roll at rest at radii s [Pa]."""
+        if not c:
+            return curve.at(s)
+        nu = stack.poissons_ratio
+        return curve.at(s) + c * (_rotation_slope(np.log(s / core), g, b, nu) - 1)
+
     start, end, kinks = float(np.log(core)), float(np.log(R)), np.log(curve.kinks)
     layer = equations.core_layer
     grid = nodes_between(start, end, 400, min(1 / g, 0.3), kinks, core_layer=layer) - start
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
-    integral = np.empty(r.size)
-    for k, x in enumerate(np.log(r / core)):
+    # the first one is at the core
+    x_all = np.append(0.0, np.log(r / core))
+    integral = np.empty(x_all.size)
+    for k, x in enumerate(x_all):
         # cells from x to the surface, with Gauss points each
         ends = np.concatenate([[x], grid[grid > x]])
         half = np.diff(ends)[:, None] / 2
         y = ends[:-1, None] + half * (1 + points)
         integrand = (
-            curve.at(core * np.exp(y)) * np.exp(-(g - 1) * (y - x)) / homogeneous_solution(y)[0]
+            tension(core * np.exp(y)) * np.exp(-(g - 1) * (y - x)) / homogeneous_solution(y)[0]
         )
         integral[k] = float(np.sum(half * weights * integrand)) if ends.size > 1 else 0.0
-    F, slope = homogeneous_solution(np.log(r / core))
-    P_changes, Q_changes = _final_changes(problem, g, b, r)
-    hoop = curve.at(r) - (F + slope) * integral - P_changes - Q_changes
+    P_wound, integral = float((1 + A) * integral[0]), integral[1:]
+    F, slope = homogeneous_solution(x_all[1:])
+    P_changes, Q_changes = _final_changes(problem, g, b, r, P_wound)
+    hoop = tension(r) - (F + slope) * integral - P_changes - Q_changes
     return RollStresses(r, F * integral + P_changes, hoop)
 
 
-def _final_changes(problem: RollProblem, g: float, b: float, r: Array) -> tuple[Array, Array]:
+def _rotation_slope(x: Array, g: float, b: float, nu: float) -> Array:
+    """Return Q_B/c at the surface of rotating rolls with the depth x = ln(s/r_c), constant moduli.
+
+    With B = c r^2/s^2, g^2 = E_t/E_r and b of the core condition,
+    r^2 P'' + 3 r P' + (1 - g^2) P = (3 + nu) B,  r P' - b P = B at the core,  P = 0 at the surface.
+    """
+    if abs(g - 3) < 1e-6:  # then r^2 is a homogeneous solution
+        g = 3 + 1e-6
+    k = (3 + nu) / (9 - g * g)  # particular solution P = k B
+    # P = k B + c1 (r/s)^(g - 1) + c2 (r/r_c)^(-g - 1); c1 = -k - c2 exp(-(g + 1) x) at the surface
+    at_core = np.exp(-2 * x)  # B/c at the core
+    growing, decaying = np.exp(-(g - 1) * x), np.exp(-(g + 1) * x)
+    of_c2 = -(g + 1 + b) - (g - 1 - b) * growing * decaying
+    c2 = (at_core * (1 - k * (2 - b)) + k * (g - 1 - b) * growing) / of_c2
+    c1 = -k - c2 * decaying
+    return np.asarray(2 * k + (g - 1) * c1 - (g + 1) * c2 * decaying)
+
+
+def _final_changes(
+    problem: RollProblem, g: float, b: float, r: Array, P_wound: float
+) -> tuple[Array, Array]:
     """Return the pressure P added by the changes after winding, and r P', at radii r (k,) [Pa].
+
+    ``P_wound`` is the pressure at the core as wound.
 
     With g^2 = E_t/E_r and b of the core condition,
     r^2 P'' + 3 r P' + (1 - g^2) P = dC,  r P' - b P = -dT_c at the core,  P = 0 at the surface.
+
+    Off the core the pressure there is zero: P = -P_c, with the pressure P_c as wound.
     """
     source, core_tension = final_changes(problem)
     core, R = problem.core.radius, problem.radius
@@ -112,8 +151,12 @@ def _final_changes(problem: RollProblem, g: float, b: float, r: Array) -> tuple[
     (P_core, P_surface), (Q_core, _) = particular(np.array([core, R]))
     growing, decaying = g - 1, -g - 1  # exponents of the homogeneous solutions
     # (r/R)^growing and (r/core)^decaying are at most 1; rows: core condition, surface
-    matrix = [[(growing - b) * (core / R) ** growing, decaying - b], [1.0, (R / core) ** decaying]]
+    at_core = (core / R) ** growing
+    matrix = [[(growing - b) * at_core, decaying - b], [1.0, (R / core) ** decaying]]
     c = np.linalg.solve(matrix, [-core_tension - Q_core + b * P_core, -P_surface])
+    if problem.core_removed or P_wound + P_core + c[0] * at_core + c[1] < 0:
+        matrix[0] = [at_core, 1.0]
+        c = np.linalg.solve(matrix, [-P_wound - P_core, -P_surface])
     growing_part, decaying_part = c[0] * (r / R) ** growing, c[1] * (r / core) ** decaying
     P, Q = particular(r)
     return P + growing_part + decaying_part, Q + growing * growing_part + decaying * decaying_part
@@ -147,7 +190,7 @@ def layer_by_layer(problem: RollProblem, groups: int | None = None) -> RollStres
     Parameters
     ----------
     problem : RollProblem
-        Its final changes are ignored.
+        Its final changes and the centrifugal force are ignored.
     groups : int, optional
         Number of groups of layers, 10 to 20 000; by default single layers.
 

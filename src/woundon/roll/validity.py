@@ -22,7 +22,31 @@ __all__ = ["roll_warnings", "yield_warnings"]
 
 def roll_warnings(result: Any) -> tuple[str, ...]:
     """Return the warnings of a wound roll outside the validity limits."""
-    return (*_strain_warnings(result), *_stack_warnings(result))
+    return (
+        *_strain_warnings(result),
+        *_stack_warnings(result),
+        *_separation_warnings(result),
+    )
+
+
+def _separation_warnings(result: Any) -> Iterator[str]:
+    """Yield warnings about layers that are open, and about inner layers that collapse."""
+    is_open = (result.opening > 0).astype(int)
+    if is_open.any():
+        r = result.radius * 1e3
+        steps = np.diff(is_open, prepend=0, append=0)
+        zones = zip(r[np.flatnonzero(steps > 0)], r[np.flatnonzero(steps < 0) - 1], strict=True)
+        radii = " and ".join(f"from {first:.4g} to {last:.4g} mm radius" for first, last in zones)
+        yield (
+            f"the layers have separated {radii}: the changes after winding leave gaps of up to "
+            f"{100 * result.opening.max():.3g}% of their thickness"
+        )
+    if result.bonded_collapse_load > 1:
+        yield (
+            "the inner layers collapse into the bore: the pressure on them is "
+            f"{result.bonded_collapse_load:.3g} times the one at which a ring of bonded layers "
+            "buckles"
+        )
 
 
 def _strain_warnings(result: Any) -> Iterator[str]:

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import check_arguments, whole_number
+from ..arguments import check_arguments, check_type, whole_number
 from ..errors import InvalidProblem, NotConverged
 from ..problems.grades import Grade
 from ..problems.problem import Problem
@@ -35,9 +35,8 @@ from .window_cases import (
     Shares,
     Windings,
     joined,
-    load_axis,
     margin_names,
-    range_of,
+    ranges_of,
     share_polynomials,
     spreads_and_ties,
     window_model,
@@ -60,7 +59,7 @@ __all__ = ["operating_window"]
 
 Array = np.ndarray
 Case = tuple[tuple[float, ...], tuple[float, ...]]  # coordinates of set point and inputs
-GRID = 33  # points of the map along web tension and nip load
+GRID = 33  # points of the map along its two axes
 # windings with drawn inputs: for each coefficient of an expansion in which all inputs matter, but
 # at most so many of rolls, which are fast, or with nips
 DRAWN_PER_TERM, DRAWN, DRAWN_WITH_NIPS = 3, 128, 48
@@ -68,7 +67,7 @@ DRAWN_PER_TERM, DRAWN, DRAWN_WITH_NIPS = 3, 128, 48
 # reported progress: ten nips of 33 nodes and three iterations take as long as about 20 rolls.
 WORK_WITH_NIPS = 20
 FEWEST = 4  # solved windings from which a map is made
-INNER = 0.5**0.5  # torque split of the checks, between two of its three levels
+INNER = 0.5**0.5  # third coordinate of the checks, between two of its three levels
 # off all lines of the 5 x 5 points, halfway between them in the angle
 OUTER, MIDDLE = 0.92387953, 0.38268343
 CHECKS = ((OUTER, MIDDLE), (-MIDDLE, OUTER), (-OUTER, -MIDDLE), (MIDDLE, -OUTER))
@@ -76,11 +75,12 @@ CHECKS = ((OUTER, MIDDLE), (-MIDDLE, OUTER), (-OUTER, -MIDDLE), (MIDDLE, -OUTER)
 
 def operating_window(
     problem: Problem,
-    web_tension: Sequence[float | str],
+    web_tension: Sequence[float | str] | None = None,
     nip_load: Sequence[float | str] | None = None,
     torque_split: Sequence[float | str] | None = None,
     *,
     rider_load: Sequence[float | str] | None = None,
+    vary: Mapping[str, Sequence[float | str]] | None = None,
     uncertain: Mapping[str, float] | Grade | str | None = None,
     tie: Mapping[str, str] | None = None,
     samples: int = 2048,
@@ -93,19 +93,24 @@ def operating_window(
     preview: Callable[[OperatingWindow], Any] | None = None,
     options: Mapping[str, Any] | None = None,
 ) -> OperatingWindow:
-    """Map the probability that all margins of a winding hold, over web tension and nip load.
+    """Map the probability that all margins of a winding hold, over two or three set points.
 
-    Of a two-drum winder, whose nip loads follow from its geometry, over web tension and rider load.
-    Schedules keep their shape; the ranges are of their values at the core.
+    They are usually web tension and nip load; of a two-drum winder, whose nip loads follow from its
+    geometry, web tension and rider load; or any other fields, such as the oscillation of the web.
+    Schedules keep their shape; the ranges are of their values at the core.  A third set point has
+    three levels.
 
     Parameters
     ----------
     problem : WindingProblem
         With at least one limit.
-    web_tension, nip_load, torque_split : (low, high)
-        At the core, SI or texts with units.  Without ``torque_split`` it stays as it is.
+    web_tension, nip_load, torque_split : (low, high), optional
+        At the core, SI or texts with units.
     rider_load : (low, high)
         With a ``winder``, in place of ``nip_load``.
+    vary : mapping of str to (low, high), optional
+        Dotted name of any other field, ``"oscillation"`` or ``"thickness_profile.variation"``, ->
+        its range.  They follow the others, in this order.
     uncertain : mapping, Grade or str, optional
         Dotted name of a field -> relative standard deviation of its log-normal distribution, whose
         median is the value of the problem.  A grade, or its name, gives the spreads of the grade.
@@ -163,19 +168,26 @@ def operating_window(
         text = f"{type(problem).__name__} is out of place; must be a WindingProblem"
         raise InvalidProblem.at("problem", text)
     check_arguments(out=out, resume=resume, progress=progress, preview=preview, seed=seed)
+    vary = {} if vary is None else vary
+    check_arguments(vary=vary)
+    check_type("vary", vary, Mapping)  # not names without ranges
     if resume and out is None:
         raise InvalidProblem.at("resume", "needs out, the folder of the windings")
     spreads, ties = spreads_and_ties(problem, uncertain, tie)
     whole_number("samples", samples, 100, MOST_SAMPLES)
     model = window_model(problem, ties, options)
-    for name in spreads:
-        model.check_varied([name])
-    load_name, load = load_axis(problem, nip_load, rider_load)
-    given = {"web_tension": web_tension, load_name: load}
-    if torque_split is not None:
-        given["torque_split"] = torque_split
-    ranges = np.array([range_of(problem, name, ends) for name, ends in given.items()])
-    set_points = SetPoints(tuple(given), ranges)
+    given = {
+        "web_tension": web_tension,
+        "nip_load": nip_load,
+        "rider_load": rider_load,
+        "torque_split": torque_split,
+    }
+    ranges = ranges_of(problem, given, vary)
+    model.check_varied([*spreads, *ranges])
+    if repeated := [name for name in ranges if name in spreads]:
+        text = "is a set point, which has no spread; must be left out, or set to 0"
+        raise InvalidProblem((f"uncertain.{name}", text) for name in repeated)
+    set_points = SetPoints(tuple(ranges), np.array(list(ranges.values())))
     sample = standard_normal(len(spreads), samples, seed)
     folder = None if out is None else Path(out)
     solver = CaseSolver(model, set_points, spreads, Workers(workers, scheduler), folder, resume)
@@ -186,8 +198,8 @@ def operating_window(
 class _Study:
     """The windings of a window, solved in stages, and the maps that follow from them.
 
-    Set points have d coordinates x in [-1, 1] (web tension, nip load and, if it is varied, torque
-    split), inputs are coordinates z in standard deviations from their medians.
+    Set points have two or three coordinates x in [-1, 1], inputs are coordinates z in standard
+    deviations from their medians.
 
     Parameters
     ----------
@@ -202,7 +214,7 @@ class _Study:
         self.solver, self.sample, self.report = solver, sample, report
         self.model, self.set_points = solver.model, solver.set_points
         self.dimension, self.inputs = len(self.set_points.names), len(solver.spreads)
-        levels = [lobatto(3)] * (self.dimension - 2)  # of the torque split
+        levels = [lobatto(3)] * (self.dimension - 2)  # of a third set point
         self.rough = grid(lobatto(3), lobatto(3), *levels)
         self.fine = grid(lobatto(5), lobatto(5), *levels)  # has all points of the rough grid
         self.added = np.array([x for x in self.fine.tolist() if x not in self.rough.tolist()])
@@ -342,7 +354,7 @@ class _Study:
         corners = np.array(CHECKS)
         points = np.vstack([corners, corners * [-1, 1]])  # and mirrored ones for other inputs
         count = len(corners)
-        # between two of the three levels of the torque split
+        # between two of the three levels of a third set point
         split = np.tile((-1.0) ** np.arange(count) * INNER, 2)
         x = np.column_stack([points, *[split] * (self.dimension - 2)])
         signs = np.random.default_rng(0).choice([-1.0, 1.0], (count, self.inputs))
@@ -430,7 +442,7 @@ class _Study:
         return MarginMap(polynomial, powers, factors, self.sample)
 
     def _degrees(self, degree: int) -> list[int]:
-        """Return the degrees along all coordinates; the torque split has three levels."""
+        """Return the degrees along all coordinates; a third set point has three levels."""
         return [degree, degree, *[2] * (self.dimension - 2)]
 
     def _deviations(self, mapped: MarginMap, checks: Windings | None) -> dict[str, Array]:

@@ -1,6 +1,6 @@
 """The windings of an operating window: problems at set points, friction shares, and solutions.
 
-A set point is the value of a schedule at the core; the schedule keeps its shape.
+A set point is the value of a field, of a schedule at the core; the schedule keeps its shape.
 
 Nearly all the time of a winding is spent on its nips, while the *friction share* y of the
 wound-on tension varies little and smoothly with the set point and the inputs:
@@ -22,13 +22,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arguments import check_arguments
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, one_of
 from ..problems.grades import Grade, grade
 from ..problems.messages import quote
-from ..problems.paths import get_field, varied_number
+from ..problems.paths import field_quantity, get_field, is_part_of, varied_number
+from ..problems.permitted import in_brackets
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Steps, Taper
-from ..problems.winding import WindingProblem
+from ..problems.winding import SCHEDULES, WindingProblem, schedule_limits
 from ..quantities import Quantity, scalar_outputs
 from .api import range_in_si
 from .cases import table_of_cases
@@ -43,7 +44,7 @@ __all__ = [
     "Windings",
     "joined",
     "margin_names",
-    "range_of",
+    "ranges_of",
     "share_polynomials",
     "spreads_and_ties",
     "window_model",
@@ -62,6 +63,7 @@ FRICTION_SHARE = "friction_share"  # the column of the shares, one tuple for eac
 BY_LOGARITHM, EVEN = 25, 17
 SAME_DEPTH = 9  # decimals of d
 MOST_SPREAD = 2.0
+MOST_AXES = 3  # of a window; the third one has three levels
 TOGETHER = 3  # windings that one worker solves in a row, each from the one before
 
 
@@ -104,27 +106,76 @@ def _check_spread(problem: Problem, name: str, spread: Any) -> None:
     varied_number(problem, name, f"uncertain.{name}", is_relative=True)
 
 
-def load_axis(problem: WindingProblem, nip_load: Any, rider_load: Any) -> tuple[str, Any]:
-    """Return name and range of the load of a window: of the nip, or of the rider with a winder."""
-    if problem.winder is None:
-        if rider_load is not None:
-            text = "is given for a winding without a winder; must be left out"
-            raise InvalidProblem.at("rider_load", f"{text}: the load is nip_load")
-        return "nip_load", nip_load
-    if nip_load is not None:
+def ranges_of(
+    problem: WindingProblem,
+    named: Mapping[str, Any],
+    vary: Mapping[str, Any],
+) -> dict[str, tuple[float, float]]:
+    """Return the ranges of the set points in SI units by the dotted names of their fields.
+
+    Parameters
+    ----------
+    problem : WindingProblem
+    named : mapping of str to (low, high) or None
+        Of ``web_tension``, ``nip_load``, ``rider_load`` and ``torque_split``.
+    vary : mapping of str to (low, high)
+        Of any other fields.
+
+    Raises
+    ------
+    InvalidProblem
+        For other than two or three ranges, a load that the winding does not have, a field twice,
+        one that is no number or has no effect, and values out of the range of the field.
+    """
+    load = "nip_load" if problem.winder is None else "winder.rider_load"
+    if problem.winder is None and named["rider_load"] is not None:
+        text = "is given for a winding without a winder; must be left out"
+        raise InvalidProblem.at("rider_load", f"{text}: the load is nip_load")
+    if problem.winder is not None and named["nip_load"] is not None:
         text = "is given for a winding with a winder; must be left out"
         raise InvalidProblem.at("nip_load", f"{text}: it follows from rider_load")
-    return "winder.rider_load", rider_load
+    fields = {"rider_load": "winder.rider_load"}
+    given = {fields.get(name, name): ends for name, ends in named.items() if ends is not None}
+    for name, ends in vary.items():
+        if name in given:
+            raise InvalidProblem.at(f"vary.{name}", "is given twice; must be given once")
+        given[name] = ends
+    if not 2 <= len(given) <= MOST_AXES:
+        names = one_of(given, "and") if given else "none"
+        text = f"{names} given; must be the ranges of 2 or {MOST_AXES} "
+        raise InvalidProblem.at("vary", f"{text}fields, such as web_tension and {load}")
+    return {name: _range_of(problem, name, ends) for name, ends in given.items()}
 
 
-def range_of(problem: WindingProblem, name: str, ends: Any) -> tuple[float, float]:
-    """Return a range in SI units; only the torque split may be 0, that of a winder negative."""
+def _range_of(problem: WindingProblem, name: str, ends: Any) -> tuple[float, float]:
+    """Return the range of a set point in SI units, within that of its field or schedule."""
     low, high = range_in_si(problem, name, ends)
-    is_split = name == "torque_split"
-    if (low < 0 and not (is_split and problem.winder)) or (low == 0 and not is_split):
-        text = f"({low:g}, {high:g}) is out of range; must be 0 < low < high"
-        raise InvalidProblem.at(name, text)
+    if name in SCHEDULES:
+        least, most = schedule_limits(name, has_winder=problem.winder is not None)
+        if outside := [end for end in (low, high) if not least <= end <= most]:
+            quantity = field_quantity(problem, name)
+            must = f">= {least:g} and <= {most:g}{in_brackets(quantity.unit) if quantity else ''}"
+            raise InvalidProblem.at(name, f"{quote(outside[0])} is out of range; must be {must}")
+    else:
+        varied_number(problem, name)
+        for end in (low, high):
+            _check_end(problem, name, end)
+    if any(is_part_of(name, unused) for unused in problem.unused):
+        raise InvalidProblem.at(name, "has no effect in this case; must be a field that has one")
     return low, high
+
+
+def _check_end(problem: WindingProblem, name: str, end: float) -> None:
+    """Reject an end of a range that the field does not permit in this problem.
+
+    An end at which another field is at fault, such as a load that the drum does not carry, may be
+    admissible at other set points.
+    """
+    try:
+        problem.replace(**{name: end})
+    except InvalidProblem as fault:
+        if name in dict(fault.faults):
+            raise
 
 
 # ---- problems -----------------------------------------------------------------------------------

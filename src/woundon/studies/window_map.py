@@ -61,34 +61,41 @@ ERROR_POINTS = 3  # every third point of the map gives the errors, which vary sl
 
 @dataclass(frozen=True, eq=False)
 class SetPoints:
-    """Coordinates of the set points: tension and load by logarithm, the torque split linear.
+    """Coordinates of the set points: by logarithm if all values are > 0, else linear.
+
+    The torque split, a share, is linear too.
 
     Attributes
     ----------
     names : tuple of str
+        Dotted names of fields.
     ranges : (d, 2) array
-        Lowest and highest value at the core, SI units.
+        Lowest and highest value, of a schedule at the core, SI units.
     """
 
     names: tuple[str, ...]
     ranges: Array
 
+    def is_linear(self, k: int) -> bool:
+        """Return whether the coordinate k is linear in the value, not in its logarithm."""
+        return bool(self.names[k] == "torque_split" or self.ranges[k, 0] <= 0)
+
     def along(self, k: int, x: Array) -> Array:
-        """Return the values at the core of the coordinate k, (points,)."""
+        """Return the values of the coordinate k, (points,)."""
         (low, high), share = self.ranges[k], (x + 1) / 2
-        if self.names[k] == "torque_split":
+        if self.is_linear(k):
             return np.asarray(low + (high - low) * share)
         return np.asarray(low * (high / low) ** share)
 
     def values(self, x: Array) -> Array:
-        """Return the values at the core of coordinates in [-1, 1], (points, d)."""
+        """Return the values of coordinates in [-1, 1], (points, d)."""
         return np.column_stack([self.along(k, column) for k, column in enumerate(x.T)])
 
     def coordinates(self, values: Array) -> Array:
-        """Return the coordinates of values at the core in [-1, 1], (points, d)."""
+        """Return the coordinates of values in [-1, 1], (points, d)."""
         shares = []
-        for name, (low, high), value in zip(self.names, self.ranges, values.T, strict=True):
-            if name == "torque_split":
+        for k, ((low, high), value) in enumerate(zip(self.ranges, values.T, strict=True)):
+            if self.is_linear(k):
                 shares.append((value - low) / (high - low))
             else:
                 shares.append(np.log(value / low) / np.log(high / low))

@@ -38,7 +38,7 @@ class OperatingPoint(NamedTuple):
     Attributes
     ----------
     values : mapping of str to float
-        Web tension, nip load and torque split at the core, SI units.
+        Set points by the names of their fields, of schedules at the core, SI units.
     probability : float
         That all margins hold.
     binding : str
@@ -76,10 +76,10 @@ class OperatingWindow(Outcome):
     ----------
     problem : WindingProblem
     names : tuple of str
-        ``web_tension``, ``nip_load`` (``winder.rider_load`` of a two-drum winder) and, if it is
-        varied, ``torque_split``.
+        Dotted names of the fields that are set points: usually ``web_tension``, ``nip_load``
+        (``winder.rider_load`` of a two-drum winder) and, if it is varied, ``torque_split``.
     ranges : (d, 2) array
-        Values at the core, SI units.
+        Values, of schedules at the core, SI units.
     margins : tuple of str
         The margins that have limits.
     uncertain : mapping of str to float
@@ -195,7 +195,7 @@ class OperatingWindow(Outcome):
         Parameters
         ----------
         *values : float or str
-            Web tension, nip load and, if it is varied, torque split at the core; SI or texts with
+            Of the set points, in the order of ``names``, of schedules at the core; SI or texts with
             units.
 
         Raises
@@ -279,8 +279,8 @@ class OperatingWindow(Outcome):
     def to_dataframe(self) -> pd.DataFrame:
         """Return the map as a table, SI units.
 
-        A row for each point: the values at the core, the probability, the binding margin, and of
-        each margin the reserve with median inputs and its standard deviation.
+        A row for each point: the set points, the probability, the binding margin, and of each
+        margin the reserve with median inputs and its standard deviation.
         """
         import pandas as pd
 

@@ -312,9 +312,11 @@ def effective_pressure(stage: Stage, tension: float, half_width: float, peak: fl
     surface, core = float(stage.radius[-1]), float(stage.radius[0])
     r = np.linspace(max(core, surface - half_width), surface, DEPTHS)
     wound = np.trapezoid(stage.stresses_at(r)[0], r) / (r[-1] - r[0])
-    # Near the surface the pressure is proportional to the tension of the last layers: it is scaled
-    # to the tension of this nip.
-    return float(max(wound, 0.0) * tension / stage.tension + PEAK_COEFFICIENT * peak)
+    # Near the surface the pressure is proportional to the tension of the last layers, without their
+    # centrifugal force: it is scaled to the tension of this nip.
+    force = stage.centrifugal_tension
+    ratio = (tension - force) / (stage.tension - force)
+    return float(max(wound, 0.0) * ratio + PEAK_COEFFICIENT * peak)
 
 
 def effective_cylinder(problem: WindingProblem, radius: float, pressure: float) -> Cylinder:

@@ -1,4 +1,4 @@
-r"""The lanes of a winding: the nip load shared between them, and the tension that the nip adds.
+r"""The lanes of a winding: the nip loads shared between them, and the tension that the nips add.
 
 A ridge is pressed harder by a straight drum.  At a few radii the nip is solved under further loads,
 which gives the load-approach curve P(delta) and the added tension A(P) at that radius.  Relative to
@@ -10,26 +10,41 @@ that vary little over the radius and are interpolated in ln(r - r_c).  Monotone 
 the samples; beyond them P is a power of delta, and A is linear.  Without load A = 0.  The winding
 force is shared like the load.
 
-A tension law without solved nips has no load-approach curve, and on a two-drum winder several nips
-share the load: the nips then add the same tension to all lanes, and their load is not shared.
+The nips of a two-drum winder add the tension A together.  The load of each nip is changed alone,
+and the changes of A are added,
+
+    A = A_N + sum_k [A(N_1, ..., P_k, ...) - A_N],
+
+A is also solved under LIGHT of the load of a nip, and is constant below: other nips add more where
+one has no load.  delta_k is the approach of drum and roll by the loads of nip k.
+
+Drums with a crown and beams (:mod:`~woundon.problems.bending`) share their loads less evenly or
+more evenly than straight ones; the load of a core is that of the one nip.
+
+A tension law without solved nips has no load-approach curve: the nips then add the same tension to
+all lanes, and their load is not shared.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
+from ..elasticity.beam import Beam, BeamsAcross
 from ..errors import unwarned
+from ..nip.outputs import approach
 from ..nip.result import NipResult
 from ..nip.solve import solve_nip
+from ..problems.bending import Bending, DrumBending
 from ..problems.bodies import Body
+from ..problems.paths import field_or_none
 from ..problems.thickness_profile import Lanes
 from ..roll.lane_roll import LaneRoll
-from ..roll.lane_tension import TensionOfLanes, tension_in_nip, tension_of_web
+from ..roll.lane_tension import DrumsAcross, TensionOfLanes, tension_in_nips, tension_of_web
 from ..roll.lanes import TensionAt
 from ..roll.result import RollResult
 from ..roll.solve import lanes_of
@@ -38,13 +53,21 @@ from .bodies import NipSample, solved_nip, tension_on_roll
 from .nips import PRESSURE_TOLERANCE
 from .roll import wind
 
-__all__ = ["NipAtRadius", "lanes_of_winding"]
+__all__ = ["NipAtRadius", "NipsOfWinding", "lanes_of_winding"]
 
 Array = np.ndarray
 
 RADII = 5  # at which the nip is solved under other loads, of those of the winding
 # Loads relative to that of the winding.  Half and double enclose the loads of usual ridges.
 LOADS = (0.5, 1.0, 2.0)
+LIGHT = 0.1  # smallest load of one of several nips
+# Beams: field of the winding, nip that loads it, name of its deflection.
+BEAMS = (
+    ("drum_bending", 0, "drum_deflection"),
+    ("core_bending", 0, "core_deflection"),
+    ("winder.front_bending", 1, "front_deflection"),
+    ("winder.rider_bending", 2, "rider_deflection"),
+)
 
 
 class _Curve:
@@ -57,6 +80,9 @@ class _Curve:
     """
 
     def __init__(self, x: Array, y: Array) -> None:
+        # the import takes a quarter of a second, which a nip on the command line does not need
+        from scipy.interpolate import PchipInterpolator
+
         self.first, self.last = float(x[0]), float(x[-1])
         self.value = PchipInterpolator(x, y)
         self.slope = self.value.derivative()
@@ -78,14 +104,16 @@ class NipAtRadius:
         N of the winding [N/m].
     approach : float
         delta under this load [m].
-    log_approach : (3,) array
-        ln(delta/delta_N) at the loads LOADS.
+    log_approach : (n,) array
+        ln(delta/delta_N) at the n sampled loads.
     added_at_load : float
-        A under this load [N/m].
-    added_change : (3,) array
-        (A - A_N)/(mu+ N) at the loads LOADS.
+        A under this load [N/m]; of several nips the whole A in the first one, 0 in the others.
+    added_change : (n + 1,) array
+        (A - A_N)/(mu+ N) without load, and at the sampled loads.
     friction_force : float
         mu+ N [N/m].
+    sampled : sequence of n floats
+        Loads relative to N.
     """
 
     load: float
@@ -94,17 +122,17 @@ class NipAtRadius:
     added_at_load: float
     added_change: Array
     friction_force: float
+    sampled: Sequence[float] = LOADS
 
     @cached_property
     def _log_load(self) -> _Curve:
         """ln(P/N) over ln(delta/delta_N); a straight line is a power of delta."""
-        return _Curve(self.log_approach, np.log(LOADS))
+        return _Curve(self.log_approach, np.log(self.sampled))
 
     @cached_property
     def _added_change(self) -> _Curve:
-        """(A - A_N)/(mu+ N) over P/N; A = 0 without load."""
-        without_load = -self.added_at_load / self.friction_force
-        return _Curve(np.array([0.0, *LOADS]), np.array([without_load, *self.added_change]))
+        """(A - A_N)/(mu+ N) over P/N."""
+        return _Curve(np.array([0.0, *self.sampled]), self.added_change)
 
     def load_at(self, approach: Array) -> tuple[Array, Array]:
         """Return P [N/m] and dP/d delta [N/m^2] at approaches [m]; zero at negative ones."""
@@ -122,7 +150,7 @@ class NipAtRadius:
         return self.added_at_load + self.friction_force * change, ratio * slope
 
 
-class _Nips:
+class NipsOfWinding:
     """The nips of a winding across the width; see :class:`.lane_roll.NipsAcross`.
 
     Parameters
@@ -135,22 +163,29 @@ class _Nips:
     def __init__(self, result: Any, roll: RollResult) -> None:
         self.result, self.problem, self.roll = result, result.problem, roll
         self.core = float(self.problem.core.radius)
-        solves_nip = self.problem.solves_nips and self.problem.winder is None
-        self.samples = self._samples() if solves_nip else None
+        self.samples = self._samples() if self.problem.solves_nips else None
 
     def web_tension(self, r: Array) -> Array:
         """Return T_in at radii [N/m]."""
         return np.interp(r, self.result.radius, self.result.web_tension)
 
-    def nip_load(self, r: Array) -> Array:
-        """Return N at radii [N/m]; nan without solved nips."""
-        load = np.interp(r, self.result.radius, self.result.nip_load)
-        return load if self.samples is not None else np.full_like(load, np.nan)
+    def nip_loads(self, r: Array) -> Array:
+        """Return N_k of all nips at radii (M,), (K, M) [N/m]; a row of nan without solved nips."""
+        return np.full((1, r.size), np.nan) if self.samples is None else self._loads(r)
+
+    def _loads(self, r: Array) -> Array:
+        """Return the loads of all nips at radii (M,), (K, M) [N/m]."""
+        loads = [np.interp(r, self.result.radius, self.result.nip_load)]
+        if (winder := self.problem.winder) is not None:
+            of_drums = self.problem.drum_loads(r)
+            loads += [of_drums.front_load, *([] if winder.rider is None else [of_drums.rider_load])]
+        return np.array(loads)
 
     def tension_at(self, lanes: Lanes) -> TensionAt:
         """Return the function that gives the tension of lanes."""
         E_t = float(self.roll.problem.stack.tangential)
         h = float(self.roll.problem.web_thickness)
+        drums = self.drums(lanes)
 
         def tension(x: float, c: Array, mu: Array, guess: Array) -> TensionOfLanes | None:
             r = np.array([np.exp(x)])
@@ -158,72 +193,175 @@ class _Nips:
             web, strain = float(self.web_tension(r)[0]), wound_on / (h * E_t)
             if self.samples is None:
                 return tension_of_web(lanes, c, mu, strain, 1 - web / wound_on)
-            nip = self._nip(float(r[0]), wound_on - web)
-            return tension_in_nip(lanes, c, mu, strain, nip, float(r[0]), wound_on, web, guess)
+            nips = self.nips(float(r[0]), wound_on - web)
+            return tension_in_nips(
+                lanes, c, mu, strain, nips, float(r[0]), wound_on, web, guess, drums
+            )
 
         return tension
 
-    def _nip(self, radius: float, added: float) -> NipAtRadius:
-        """Return the nip at a radius [m] with its added tension [N/m]."""
+    @property
+    def _beams(self) -> list[tuple[Bending, int, str]]:
+        """The beams of the problem, the nip that loads each, and the name of its deflection."""
+        beams = [(field_or_none(self.problem, name), nip, of) for name, nip, of in BEAMS]
+        return [(beam, nip, name) for beam, nip, name in beams if beam is not None]
+
+    def drums(self, lanes: Lanes) -> DrumsAcross | None:
+        """Return the drums across the lanes; None of straight drums."""
+        if not self._beams:
+            return None
+        edges = np.array(self.problem.thickness_profile.position)[[0, -1]]
+        with_share = lanes.share > 0
+        ends = edges[0] + np.ptp(edges) * np.append(0.0, np.cumsum(lanes.share[with_share]))
+        places = lanes.position[~with_share]
+        loads = self.nip_loads(np.array([self.problem.radius]))
+        crown = np.zeros((len(loads), lanes.share.size))
+        loaded_by = np.zeros((len(loads), len(self._beams)))
+        beams = []
+        for b, (bending, nip, _) in enumerate(self._beams):
+            loaded_by[nip, b] = 1.0
+            shear = bending.shear_rigidity
+            beams.append(
+                Beam(
+                    bending.flexural_rigidity,
+                    bending.bearing_distance,
+                    np.inf if shear is None else shear,
+                )
+            )
+            if isinstance(bending, DrumBending):
+                heights = bending.mean_heights(ends), bending.heights(places, tuple(edges))
+                crown[nip] = np.concatenate(heights) - lanes.share[with_share] @ heights[0]
+        return DrumsAcross(crown, BeamsAcross(beams, np.diff(ends), places - edges[0]), loaded_by)
+
+    def deflections(self, lanes: Lanes, loads: Array) -> dict[str, Array]:
+        """Return the deflections of drums and core (L, M) [m] under loads (K, L, M), by name."""
+        drums = self.drums(lanes)
+        if drums is None:
+            return {}
+        names = [name for _, _, name in self._beams]
+        return dict(zip(names, drums.deflection(loads), strict=True))
+
+    @property
+    def _sampled(self) -> tuple[float, ...]:
+        """Loads of the samples, relative to N."""
+        return LOADS if self.problem.winder is None else (LIGHT, *LOADS)
+
+    def nips(self, radius: float, added: float) -> list[NipAtRadius]:
+        """Return the nips at a radius [m], which add a tension together [N/m]."""
         assert self.samples is not None
-        radii, rows = self.samples
+        radii, values, friction = self.samples
         places = np.log(radii - self.core)
         x = np.clip(np.log(max(radius - self.core, 1e-12)), places[0], places[-1])
-        values = np.array([np.interp(x, places, column) for column in rows.T])
-        load = float(self.nip_load(np.array([radius]))[0])
-        return NipAtRadius(
-            load=load,
-            approach=float(np.exp(values[0]) * load),
-            log_approach=values[1:4],
-            added_at_load=added,
-            added_change=values[4:7],
-            friction_force=float(values[7]) * load,
-        )
+        count = len(self._sampled)
+        loads = self.nip_loads(np.array([radius]))[:, 0].tolist()
+        nips = []
+        for k, load in enumerate(loads):
+            own = np.array([np.interp(x, places, column) for column in values[:, k].T])
+            force = float(np.interp(x, places, friction)) * load
+            change, whole = own[1 + count :], added if k == 0 else 0.0
+            # one nip adds nothing without load; the others of several add more without this one
+            unloaded = -added / force if len(loads) == 1 else change[0]
+            nips.append(
+                NipAtRadius(
+                    load=load,
+                    approach=float(np.exp(own[0]) * load),
+                    log_approach=own[1 : 1 + count],
+                    added_at_load=whole,
+                    added_change=np.array([unloaded, *change]),
+                    friction_force=force,
+                    sampled=self._sampled,
+                )
+            )
+        return nips
 
-    def _samples(self) -> tuple[Array, Array]:
-        """Return radii (K,) [m], and ln(delta/N), ln(delta/delta_N), (A - A_N)/(mu N), mu there."""
+    def _samples(self) -> tuple[Array, Array, Array]:
+        """Return the nips solved under further loads at a few radii.
+
+        Returns
+        -------
+        (m,) array
+            The radii [m].
+        (m, K, 1 + 2 n) array
+            Of each of K nips ln(delta/N), and at n loads ln(delta/delta_N) and (A - A_N)/(mu+ N).
+        (m,) array
+            mu+ with the entrained air.
+        """
         radii = self.result.nip_radius
         chosen = np.unique(np.round(np.linspace(0, radii.size - 1, RADII)).astype(int))
-        friction = self.result.nip_friction
-        rows = [self._row(float(radii[k]), float(friction[k])) for k in chosen]
-        return radii[chosen], np.array(rows)
+        friction = self.result.nip_friction[chosen]
+        rows = [
+            self._row(float(r), float(mu)) for r, mu in zip(radii[chosen], friction, strict=True)
+        ]
+        return radii[chosen], np.array(rows), friction
 
     def _row(self, radius: float, friction: float) -> Array:
-        """Return the values of :meth:`_samples` at one radius; the nip is solved under all loads.
+        """Return the values of :meth:`_samples` at one radius, (K, 1 + 2 n).
 
-        ``friction`` is mu+ with the entrained air.
+        The nips are solved under all loads of one of them at a time.  ``friction`` is mu+ with the
+        entrained air.
         """
         problem = self.problem
-        load = float(problem.at("nip_load", radius))
         stage = None if problem.roll_body == "linear" else stages_at(self.roll, [radius])[0]
         sample: NipSample | None = None
-        outputs = []
+        loads = self._loads(np.array([radius]))[:, 0].tolist()
         with_air = problem.replace(stack=self.roll.problem.stack)
-        for fraction in LOADS:
-            solve = partial(self._solve, radius, friction, fraction)
-            sample = solved_nip(with_air, radius, stage, None, sample, solve, PRESSURE_TOLERANCE)
-            nip = sample.result
-            outputs.append((nip.approach, tension_on_roll(nip) - nip.problem.web_tension))
-        delta, added = np.array(outputs).T
-        middle = LOADS.index(1.0)
-        log_approach = np.log(delta / delta[middle])
-        change = (added - added[middle]) / (friction * load)
-        return np.array([np.log(delta[middle] / load), *log_approach, *change, friction])
+        outputs: dict[tuple[float, ...], tuple[Array, float]] = {}
+        rows = []
+        for k, load in enumerate(loads):
+            own = []
+            for fraction in self._sampled:
+                fractions = tuple(fraction if j == k else 1.0 for j in range(len(loads)))
+                if fractions not in outputs:
+                    solve = partial(self._solve, radius, friction, fractions)
+                    sample = solved_nip(
+                        with_air, radius, stage, None, sample, solve, PRESSURE_TOLERANCE
+                    )
+                    nip = sample.result
+                    added = tension_on_roll(nip) - nip.problem.web_tension
+                    outputs[fractions] = _approaches(nip), added
+                own.append((outputs[fractions][0][k], outputs[fractions][1]))
+            delta, added_tension = np.array(own).T
+            middle = self._sampled.index(1.0)
+            log_approach = np.log(delta / delta[middle])
+            change = (added_tension - added_tension[middle]) / (friction * load)
+            rows.append([np.log(delta[middle] / load), *log_approach, *change])
+        return np.array(rows)
 
     def _solve(
-        self, radius: float, friction: float, fraction: float, body: Body, start: NipResult | None
+        self,
+        radius: float,
+        friction: float,
+        fractions: Sequence[float],
+        body: Body,
+        start: NipResult | None,
     ) -> NipResult:
-        """Solve the nip under a fraction of its load, with the friction that the air leaves."""
+        """Solve the nips under fractions of their loads, with the friction that the air leaves."""
         nip = self.problem.nip(radius, body)
         if nip.air is not None:
             ratio = friction / nip.roll_friction
             wrap = nip.wrap_friction
             nip = nip.without_air(friction, None if wrap is None else wrap * ratio)
+        first, *others = fractions
+        next_nips = [
+            further.replace(
+                nip_load=fraction * further.nip_load, winding_force=fraction * further.winding_force
+            )
+            for fraction, further in zip(others, nip.next_nips, strict=True)
+        ]
         nip = nip.replace(
-            nip_load=fraction * nip.nip_load, winding_force=fraction * nip.winding_force
+            nip_load=first * nip.nip_load,
+            winding_force=first * nip.winding_force,
+            next_nips=next_nips,
         )
         with unwarned():
             return solve_nip(nip, nodes=self.result.nodes, start=start, errors=start is None)
+
+
+def _approaches(nip: NipResult) -> Array:
+    """Return the approach of the roll and the drum of each nip, (K,) [m]."""
+    mesh = nip.refinement.last
+    pairs = zip(mesh.system.nips, mesh.state.nips, strict=True)
+    return np.array([approach(equations, state) for equations, state in pairs])
 
 
 def lanes_of_winding(result: Any, rtol: float, count: int) -> LaneRoll:
@@ -240,6 +378,7 @@ def lanes_of_winding(result: Any, rtol: float, count: int) -> LaneRoll:
     count : int
         Number of lanes.
     """
-    roll = wind(result.problem, result.radius, result.wound_on_tension, rtol, result.air_film)
-    lanes = lanes_of(roll, result.problem, rtol, count, _Nips(result, roll.result))
+    arrays = result.radius, result.wound_on_tension
+    roll = wind(result.problem, *arrays, rtol, result.air_film, rotates=False)
+    lanes = lanes_of(roll, result.problem, rtol, count, NipsOfWinding(result, roll.result))
     return lanes.with_finite_layers(abs(result.roll.finite_layer_effect))

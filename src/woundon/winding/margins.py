@@ -12,7 +12,8 @@ r"""Margins of a wound roll against known defects.
 
 Of a two-drum winder strength and slack contain the tensions between the nips.  Each margin is
 evaluated over the radius of the finished roll and, except blocking, which takes
-time, of stages of the build-up.  Sources: docs/theory/margins.md.
+time, of stages of the build-up; with centrifugal force of each stage while it runs and at rest.
+Sources: docs/theory/margins.md.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import isclose, isinf, isnan, nan
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -31,6 +32,7 @@ from ..nip.air_films import friction_between
 from ..problems.air import Air
 from ..problems.grades import Grade, source_of_limit
 from ..problems.limits import Limits
+from ..problems.messages import quote
 from ..problems.roll import Core, RollProblem
 from ..quantities import Quantity, length, line_load, share, strain, stress
 from ..results import Presented
@@ -49,6 +51,7 @@ from .criteria import (
 __all__ = ["Margin", "Margins", "WindingTorque", "WithMargins", "margins"]
 
 Array = np.ndarray
+RUNNING, AT_REST = "running", "at rest"
 STAGES = 16  # stages of the build-up that are evaluated, including the finished roll
 PLACES = 400  # radii of each stage
 # The outermost layers carry the torque by their tension instead of friction.  With P = WOT/r per
@@ -375,6 +378,8 @@ class _State(NamedTuple):
     ----------
     surface : float
         Radius of the roll at this stage [m].
+    motion : str
+        "running" or "at rest" of a web whose centrifugal force is known; otherwise empty.
     r : (k,) array
         Radii from the core to the surface [m].
     P, hoop : (k,) arrays
@@ -382,28 +387,38 @@ class _State(NamedTuple):
     """
 
     surface: float
+    motion: str
     r: Array
     P: Array
     hoop: Array
 
 
-def _states(roll: RollResult) -> list[_State]:
-    """Return the stresses at stages with even surface radii, the finished roll last.
+def _states(roll: RollResult, motion: str | None) -> list[_State]:
+    """Return the stresses at stages with even surface radii, the finished roll at rest last.
 
-    Stages of fewer than 100 layers are left out.
+    Stages of fewer than 100 layers are left out.  A roll with centrifugal force is evaluated at
+    each stage while it runs and, as it may be stopped, at rest; with ``motion`` in one state.
     """
     core, radius = float(roll.radius[0]), float(roll.radius[-1])
     # smaller rolls would have few layers below the excluded outermost ones
     smallest = core + 2 * TAIL_LAYERS * roll.problem.web_thickness
     surfaces = np.linspace(core, radius, STAGES + 1)[1:-1]
     surfaces = np.append(surfaces[surfaces >= smallest], radius)
-    return [_state(stage) for stage in stages_at(roll, surfaces.tolist(), roll.radius.size - 1)]
+    motions = {"": True}
+    if roll.problem.centrifugal_stress:
+        motions = {RUNNING: False, AT_REST: True}
+    return [
+        _state(stage, name)
+        for name, at_rest in motions.items()
+        if motion in (None, name) or not name
+        for stage in stages_at(roll, surfaces.tolist(), roll.radius.size - 1, at_rest=at_rest)
+    ]
 
 
-def _state(stage: Stage) -> _State:
+def _state(stage: Stage, motion: str) -> _State:
     """Return the stresses at a stage, at its nodes and at PLACES even radii."""
     r = np.unique([*stage.radius, *np.linspace(stage.radius[0], stage.radius[-1], PLACES)])
-    return _State(float(stage.radius[-1]), r, *stage.stresses_at(r))
+    return _State(float(stage.radius[-1]), motion, r, *stage.stresses_at(r))
 
 
 # ---- the margins --------------------------------------------------------------------------------
@@ -445,7 +460,12 @@ LEFT_OUT = {
 NO_LIMIT = "no limit given"
 
 
-def margins(result: Any, limits: Limits | None = None) -> Margins:
+def margins(
+    result: Any,
+    limits: Limits | None = None,
+    *,
+    motion: Literal["running", "at rest"] | None = None,
+) -> Margins:
     """Compute the margins of a roll against known defects.
 
     Parameters
@@ -455,6 +475,9 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
         the layers.
     limits : Limits, optional
         By default those of the winding's problem.
+    motion : "running" or "at rest", optional
+        State of a roll whose problem has a web speed and a density; by default each margin is the
+        worse of both.  Without centrifugal force both are the same.
 
     Returns
     -------
@@ -464,7 +487,7 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
     Raises
     ------
     InvalidProblem
-        For anything else than a roll, or an acceleration of a web without density.
+        For anything else than a roll, an acceleration of a web without density, or another motion.
 
     Examples
     --------
@@ -488,12 +511,21 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
             f"{limits.acceleration:g} is given, but the web has no density, which its inertia needs"
         )
         raise InvalidProblem.at("limits.acceleration", text)
-    torque_data, states = WindingTorque.of(result), _states(roll)
+    if motion not in (None, RUNNING, AT_REST):
+        must = f"must be {one_of((repr(RUNNING), repr(AT_REST)))}, or left out"
+        raise InvalidProblem.at("motion", f"{quote(motion)} is out of range; {must}")
+    torque_data, states = WindingTorque.of(result), _states(roll, motion)
+    # a roll that has left its core passes no torque to it, nor presses on it
+    on_core = (
+        [*states[:-1], _state(roll.as_wound, RUNNING if roll.problem.centrifugal_stress else "")]
+        if roll.is_off_core
+        else states
+    )
     worst: tuple[Margin, ...] = (
-        _slip(states, roll, limits, torque_data),
+        _slip(on_core, roll, limits, torque_data),
         _compression(states, roll, limits),
         _blocking(states[-1], limits),
-        _core(states, roll.problem.core, limits),
+        _core(on_core, roll.problem.core, limits),
         _strength(states[-1], roll, limits, torque_data),
         _slack(roll, limits, torque_data),
         _gauge_band(roll, limits),
@@ -662,7 +694,13 @@ def _worst(states: list[_State], values: list[Array]) -> _WorstValue:
     if isclose(largest, last.max(), rel_tol=ALIKE):
         state, values_of_worst = final, last
     k = int(np.argmax(values_of_worst))
-    stage = "" if state is final else f"when the roll was {1e3 * state.surface:.4g} mm"
+    if state is final:
+        stage = ""
+    elif state.surface == final.surface:
+        stage = "of the running roll"
+    else:
+        stage = f"when the roll was {1e3 * state.surface:.4g} mm"
+        stage += f", {state.motion}" if state.motion else ""
     # at radii of the finished roll; -inf beyond the surface of a stage, where it has no layers
     over_radius = [
         np.interp(final.r[: last.size], state.r[: v.size], v, right=-np.inf)
@@ -695,20 +733,18 @@ def _slip(
     # Each stage is evaluated below the surface of the preceding one (the first at the core, the
     # finished roll without its tail), because the outermost layers are held by their own tension.
     tail, core = TAIL_LAYERS * float(roll.problem.web_thickness), float(roll.radius[0])
-    R = states[-1].surface
-    evaluated_up_to = [
-        core,
-        *(state.surface for state in states[:-2]),
-        R - min(tail, (R - core) / 2),
-    ]
+    surfaces = sorted({state.surface for state in states})
+    R = surfaces[-1]
+    ends = [core, *surfaces[:-2], R - min(tail, (R - core) / 2)]
+    # if the finished roll is the only stage, its end is the last of two
+    evaluated_up_to = dict(zip(surfaces, ends[-len(surfaces) :], strict=True))
     shares = []
-    # if the finished roll is the only state, its end is the last of two
-    for (s, r, P, _), end in zip(states, evaluated_up_to[-len(states) :], strict=True):
+    for s, _, r, P, _ in states:
         tension = float(np.interp(s, torque_data.radius, torque_data.core))
         torque = torque_carried(r, s, tension, roll.problem.density or 0, limits.acceleration)
         shares.append(
             torque_share(r, P, friction * torque_data.friction_ratio(np.maximum(P, 0)), torque)[
-                r <= end
+                r <= evaluated_up_to[s]
             ]
         )
     worst = _worst(states, shares)

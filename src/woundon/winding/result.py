@@ -236,6 +236,23 @@ class WindingResult(WithMargins, WithLanes, Result):
         """Mean over the web's length of the tension that the rider adds [N/m]; else nan."""
         return self._mean_added(self.rider)
 
+    @property
+    def even_crown(
+        self,
+    ) -> Annotated[float, length("c_0", "crown for a uniform mean nip load of an even web", "um")]:
+        """Crown of the drum that makes the nip load of an even web uniform, at its mean [m].
+
+        The mean nip load is that over the web's length; see :meth:`.Bending.even_crown`.  nan
+        without ``drum_bending``.
+        """
+        problem, r = self.problem, self.radius
+        if problem.drum_bending is None or problem.thickness_profile is None:
+            return float("nan")
+        load = float(np.trapezoid(self.nip_load * r, r) / np.trapezoid(r, r))
+        beams = [problem.drum_bending, problem.core_bending]
+        width = problem.thickness_profile.width
+        return float(sum(beam.even_crown(load, width) for beam in beams if beam is not None))
+
     def _mean_added(self, drum: DrumNips | None) -> float:
         """Return the mean over the length of web of the tension that a nip adds [N/m]."""
         if drum is None:
@@ -285,6 +302,20 @@ class WindingResult(WithMargins, WithLanes, Result):
     ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per width")]:
         """Mass of the web per metre of width [kg/m]; nan if its density is not given."""
         return self.roll.mass
+
+    @property
+    def running_core_pressure(
+        self,
+    ) -> Annotated[float, stress("P_c,V", "pressure of the running roll on the core")]:
+        """P of the finished roll at the core while it runs [Pa]; nan without centrifugal force."""
+        return self.roll.running_core_pressure
+
+    @property
+    def centrifugal_tension(
+        self,
+    ) -> Annotated[float, line_load("m V^2", "part of the tension taken by centrifugal force")]:
+        """m V^2, by which the running web presses less [N/m]; nan without speed or density."""
+        return self.problem.centrifugal_tension or float("nan")
 
     def certified(self) -> Residuals:
         """Compute the residuals from problem and arrays."""

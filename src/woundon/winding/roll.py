@@ -20,7 +20,13 @@ STRAIGHT = 1e-13  # relative distance from a straight line below which a point l
 
 
 def wind(
-    problem: WindingProblem, r: Array, tension: Array, rtol: float, film: float = 0.0
+    problem: WindingProblem,
+    r: Array,
+    tension: Array,
+    rtol: float,
+    film: float = 0.0,
+    *,
+    rotates: bool = True,
 ) -> ThinLayerRoll:
     """Compute the roll of a piecewise linear wound-on tension, in the limit of thin layers.
 
@@ -33,6 +39,8 @@ def wind(
         Of the roll's pressure.
     film : float
         Of air between the layers, at ambient pressure [m].
+    rotates : bool
+        False neglects the centrifugal force.
 
     Returns
     -------
@@ -43,7 +51,8 @@ def wind(
     NoSteadyState
         For a tension that is not positive everywhere.
     """
-    return solve_thin_layers(_roll_problem(problem, r, tension, film), rtol)
+    roll = _roll_problem(problem, r, tension, film)
+    return solve_thin_layers(roll if rotates else roll.replace(web_speed=None), rtol)
 
 
 def recomputed(
@@ -74,12 +83,13 @@ def recompute_roll(result: Any) -> RollResult:
 
 def _roll_problem(problem: WindingProblem, r: Array, tension: Array, film: float) -> RollProblem:
     """Return the problem of the roll; reject a tension that is not positive."""
-    smallest = int(np.argmin(tension))
-    if not tension[smallest] > 0:
+    smallest, force = int(np.argmin(tension)), problem.centrifugal_tension
+    if not tension[smallest] > force:
+        least = f"{force:.6g} [N/m], the centrifugal force of the web" if force else "0"
         raise NoSteadyState.at(
             "web_tension",
             f"the wound-on tension falls to {tension[smallest]:.6g} [N/m] at the radius "
-            f"{r[smallest]:.6g} [m]; must be > 0, or no layer is wound on",
+            f"{r[smallest]:.6g} [m]; must be > {least}, or no layer is wound on",
         )
     return problem.wound_roll(_schedule(r, tension), film)
 

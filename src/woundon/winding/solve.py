@@ -637,8 +637,9 @@ def _full_slip_tension(problem: WindingProblem, r: Array) -> Array:
     """Return the wound-on tension at radii, (k,) [N/m], of a web that slips in the whole nip.
 
     T_1 = T_in + F + mu+ P.  Of a two-drum winder the web slips in each nip.  The arc upstream of a
-    nip holds T_1 exp(-mu_w theta) by its friction (Euler-Eytelwein); what a nip adds beyond that
-    pulls web through the nip before: T_k = max{T_k-1, T_k-1 exp(-mu_w theta_k) + F_k + mu+ P_k}.
+    nip holds T_1 exp(-mu_w theta) by its friction (Euler-Eytelwein, T without the centrifugal force
+    m V^2); what a nip adds beyond that pulls web through the nip before:
+    T_k = max{T_k-1, T_k-1 exp(-mu_w theta_k) + F_k + mu+ P_k}.
     """
     mu = problem.roll_friction
     on_wrap = mu if problem.wrap_friction is None else problem.wrap_friction
@@ -646,10 +647,11 @@ def _full_slip_tension(problem: WindingProblem, r: Array) -> Array:
     tension = tension + mu * problem.at("nip_load", r)
     if problem.winder is None:
         return tension
-    loads = problem.drum_loads(r)
+    loads, force = problem.drum_loads(r), problem.centrifugal_tension
     further = [(loads.front_arc, loads.front_force + mu * loads.front_load)]
     if problem.winder.rider is not None:
         further.append((loads.rider_arc, mu * loads.rider_load))
     for arc, added in further:
-        tension = np.maximum(tension, tension * np.exp(-on_wrap * arc) + added)
+        held = force + (tension - force) * np.exp(-on_wrap * arc)
+        tension = np.maximum(tension, held + added)
     return tension

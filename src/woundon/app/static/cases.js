@@ -86,7 +86,7 @@ const isLeftOut = (field) => field.type === "member" && field.optional && field.
 
 function fits(field, value) {
   if (field.type === "number") return typeof value === "number";
-  if (field.type === "choice") return field.choices.includes(value);
+  if (field.type === "choice") return field.choices.includes(String(value));
   if (field.type === "members" || field.type === "numbers" || field.type === "pairs") return Array.isArray(value);
   return true;
 }

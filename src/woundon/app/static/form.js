@@ -125,7 +125,7 @@ function Slider({ store, field, path, value, unit }) {
 // ---- words, lists of numbers ----
 
 function Choice({ store, field, path }) {
-  const value = at(store.state.case, path) ?? field.default;
+  const value = String(at(store.state.case, path) ?? field.default);  // also of true and false
   return html`<div class="field choice" data-path=${path}>
     <label for=${idOf(path)}>${field.label || T.fields[field.name] || field.name}</label>
     <select id=${idOf(path)} value=${value} onChange=${(event) => store.change(path, event.target.value)}>

@@ -111,9 +111,9 @@ export const T = {
     rms: (size, n) => `RMS difference between fitted and measured values ${size}, ${n} values.`,
   },
   window: {
-    title: "Operating window", about: "The probability that the roll keeps all its limits, over the set points at the core. Schedules become constant values when a point is used.",
+    title: "Operating window", about: "The probability that the roll keeps all its limits, over two or three set points; of a schedule its value at the core. Schedules become constant values when a point is used.",
     probability: "Probability that all margins hold", spreads: "Spread of the inputs: as of the grade", run: "Compute", take: "Use this point",
-    split: "also over the torque split", mainly: (name) => `uncertain mainly by ${name}`,
+    axes: ["Horizontal axis", "Vertical axis", "Also over"], mainly: (name) => `uncertain mainly by ${name}`,
     onlyWindings: "An operating window needs a winding: choose the kind Winding.",
     atCore: (label) => `${label}, at the core`, progress: (done, of) => (of ? `${done} of about ${of} windings` : ""),
     best: (probability, point) => `Highest probability ${probability} at ${point}`, binding: (name) => `binding margin: ${name}`, none: "no steady state",
