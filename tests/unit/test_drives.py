@@ -225,6 +225,6 @@ def test_the_report_and_the_panels_show_torque_and_power(problem: wo.WindingProb
 
 
 def test_a_speed_has_an_effect_with_a_width():
-    texts = BASE.replace(width=None).input_warnings
+    texts = WITHOUT_MASS.replace(width=None).input_warnings
     assert any("web_speed" in text for text in texts)
-    assert not any("web_speed" in text for text in BASE.input_warnings)
+    assert not any("web_speed" in text for text in WITHOUT_MASS.input_warnings)

@@ -77,7 +77,8 @@ def test_a_film_thicker_than_the_web():
     problem = ALONE.replace(web_speed=20.0, air=AIR, web_tension=100.0)
     result = wo.solve(problem)
     R, core = problem.radius, problem.core.radius
-    at_surface = 0.64304 * R * (12 * 1.81e-5 * 20 / 100) ** (2 / 3)
+    pressing = 100 - 680 * 66e-6 * 20**2  # T - m V^2
+    at_surface = 0.64304 * R * (12 * 1.81e-5 * 20 / pressing) ** (2 / 3)
     # h is proportional to r: mean over r dr
     mean = at_surface / R * 2 / 3 * (R**3 - core**3) / (R**2 - core**2)
     assert result.air_film == pytest.approx(mean, rel=1e-6)  # trapezoids over 2049 radii
@@ -149,9 +150,11 @@ def test_what_needs_a_drum_is_rejected_without_one(changes: dict[str, Any]):
 
 
 def test_a_roll_too_small_for_its_film_is_rejected_by_a_field_that_was_entered():
-    problem = ALONE.replace(radius=0.055, web_speed=40.0, web_tension=1.0, air=AIR)
+    problem = ALONE.replace(radius=0.055, web_speed=40.0, web_tension=1.0, air=AIR, density=None)
     with pytest.raises(
         wo.InvalidProblem, match=r"radius: 0\.055 is out of range; must be >= "
     ) as f:
         wo.solve(problem)
     assert "thickness" not in str(f.value)
+    with pytest.raises(wo.NoSteadyState, match="centrifugal force of the web"):
+        wo.solve(problem.replace(density=680.0))

@@ -133,8 +133,8 @@ LAWS = {
 }
 WITHOUT_NIP = "The web is wound without a nip: WOT = T_in."
 FOIL_FILM = (
-    "The web runs onto the roll as a foil bearing: h = 0.643 R (12 eta V/T)^(2/3), less what "
-    "escapes through the web in one revolution."
+    "The web runs onto the roll as a foil bearing: h = 0.643 R (12 eta V/(T - m V^2))^(2/3), "
+    "less what escapes through the web in one revolution."
 )
 FULL_SLIP_ON_DRUMS = (
     "The web slips throughout all nips: WOT = T_in + F + mu P behind the rear drum, and behind "
