@@ -186,8 +186,8 @@ class WindingProblem(Problem):
         Of the web [m]. With it, loads and tensions may be entered as totals, "3.6 kN"; they are
         held per metre of width.  With width and ``web_speed`` the result contains torque and power
         of the drives, see :class:`~woundon.winding.drives.Drive`.
-    inertia : Inertia
-        Moments of inertia of core and drums, for the torque of their drives.
+    inertia : Inertia, optional
+        Moments of inertia of core and drums, for the torque of their drives; by default 0.
 
     Raises
     ------
@@ -313,8 +313,8 @@ class WindingProblem(Problem):
     air: Annotated[OptionalNested[Air], Field(description="entrained air")] = default(None)
     width: Width = default(None)
     inertia: Annotated[
-        Nested[Inertia], Field(description="moments of inertia of core and drums")
-    ] = default(Inertia())
+        OptionalNested[Inertia], Field(description="moments of inertia of core and drums")
+    ] = default(None)
 
     @model_validator(mode="after")
     def _check_winding(self) -> Self:

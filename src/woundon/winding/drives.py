@@ -29,6 +29,7 @@ from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 
+from ..problems.inertia import Inertia
 from ..problems.winding import WindingProblem
 from ..quantities import Quantity
 from ..results import ReadOnly
@@ -137,7 +138,7 @@ def drives_of(problem: WindingProblem, r: Array, film: float) -> dict[str, Drive
     else:
         core = problem.at("winder.core_torque", r) * width
         if winder.rider is not None:  # which the roll accelerates
-            rider = problem.inertia.rider * problem.limits.acceleration / winder.rider.radius**2
+            rider = _inertia(problem).rider * problem.limits.acceleration / winder.rider.radius**2
     growth, acceleration = _moments_of_inertia(problem, r, film)
     acceleration = acceleration + rider * r
     has_core_drive = bool(np.any(np.abs(core) > NO_DRIVE * web_moment))
@@ -182,7 +183,7 @@ def _drums(problem: WindingProblem, r: Array) -> dict[str, _Drum]:
     """Return the driven drums at radii of the roll (K,) [m], by the name of the output."""
     if not problem.has_nip:
         return {}
-    inertia = problem.inertia
+    inertia = _inertia(problem)
     rear_force = problem.at("winding_force", r)
     rear_share = np.ones_like(r)
     drums = {}
@@ -193,6 +194,11 @@ def _drums(problem: WindingProblem, r: Array) -> dict[str, _Drum]:
         drums["front_drive"] = _Drum(radius, inertia.front_drum, front_force, 1 - rear_share)
     drums["drum_drive"] = _Drum(problem.drum_radius, inertia.drum, rear_force, rear_share)
     return drums
+
+
+def _inertia(problem: WindingProblem) -> Inertia:
+    """Return the moments of inertia of core and drums, 0 if they are not given."""
+    return problem.inertia or Inertia()
 
 
 def _moments_of_inertia(problem: WindingProblem, r: Array, film: float) -> tuple[Array, Array]:
@@ -206,5 +212,5 @@ def _moments_of_inertia(problem: WindingProblem, r: Array, film: float) -> tuple
     a, web = problem.limits.acceleration, problem.web.thickness
     layer = web + film
     density = (problem.density or 0.0) * web / layer
-    J = problem.inertia.core + width * ring_inertia(problem.core.radius, r, density)
+    J = _inertia(problem).core + width * ring_inertia(problem.core.radius, r, density)
     return -J * V**2 * layer / (2 * pi * r**3), J * a / r
