@@ -208,6 +208,8 @@ def faults_of_bending(problem: Any) -> Iterator[tuple[str, str]]:
             continue
         if problem.tension_law != "nip":
             yield name, "needs tension_law = 'nip', which computes the stiffness of the nip"
+        if not problem.has_nip:
+            yield name, "is given with nip_load = 0; must be left out without a nip"
         if name == "core_bending" and winder is not None:
             text = "is given together with winder; must be left out"
             yield name, f"{text}: the roll lies on the drums"

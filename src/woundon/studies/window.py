@@ -348,7 +348,7 @@ class _Study:
         """Return the number of windings with drawn inputs."""
         if self.inputs == 0:
             return 0
-        solves_nips = self.model.problem.tension_law == "nip" and not self.model.depths
+        solves_nips = self.model.problem.solves_nips and not self.model.depths
         terms = terms_of(self.inputs, self.inputs, self.dimension)
         return min(DRAWN_WITH_NIPS if solves_nips else DRAWN, DRAWN_PER_TERM * terms)
 

@@ -163,7 +163,7 @@ class NipsOfWinding:
     def __init__(self, result: Any, roll: RollResult) -> None:
         self.result, self.problem, self.roll = result, result.problem, roll
         self.core = float(self.problem.core.radius)
-        self.samples = self._samples() if self.problem.tension_law == "nip" else None
+        self.samples = self._samples() if self.problem.solves_nips else None
 
     def web_tension(self, r: Array) -> Array:
         """Return T_in at radii [N/m]."""
