@@ -8,6 +8,13 @@ from scipy.linalg import lapack
 import woundon as wo
 
 
+def _values(schedule: float | wo.Profile, r: np.ndarray) -> np.ndarray:
+    """Return the values of a number or of straight lines at radii."""
+    if isinstance(schedule, wo.Profile):
+        return np.interp(r, schedule.radius, schedule.value)
+    return np.full(r.shape, schedule)
+
+
 class Rings:
     """A roll of rings; ``parts`` of them are a lap.
 
@@ -37,7 +44,8 @@ class Rings:
         self.inner = T * (under + h - self.r[:-1]) / self.r[:-1]
         outer = T * (under + h - self.r[1:]) / self.r[1:]
         self.own = (self.inner + outer) / 2
-        self.grown, self.core_grown = (0.0, 0.0), 0.0  # strains without stress, after winding
+        # strains without stress, after winding: along the rings, through the stack at their faces
+        self.grown, self.core_grown = np.zeros((2, count)), 0.0
         self.below = np.zeros(count)  # of the ring below, when a lap was laid: moved, strained
         P = np.zeros(1)
         for k in range(0, count, parts):
@@ -53,14 +61,21 @@ class Rings:
             self.running_hoop = self.state(running, count)[0].reshape(laps, parts).mean(axis=1)
             self.running_P = running[::parts]
         self.turn = 0.0
-        dT = problem.temperature_change
-        self.grown = problem.tangential_expansion * dT, problem.radial_expansion * dT
-        self.core_grown = problem.core_expansion * dT - problem.core_shrinkage
+        for schedule, along, through, of_core in (
+            (problem.temperature_change, problem.tangential_expansion, problem.radial_expansion,
+             problem.core_expansion),
+            (problem.moisture_change, problem.tangential_swelling, problem.radial_swelling,
+             problem.core_swelling),
+        ):  # fmt: skip
+            self.grown[0] += along * _values(schedule, self.middle)
+            self.grown[1] += through * _values(schedule, self.r[:-1])
+            self.core_grown += of_core * float(_values(schedule, self.r[:1])[0])
+        self.core_grown -= problem.core_shrinkage
         self.removed, self.open = problem.core_removed, np.zeros(count, dtype=bool)
         P = self.pressed(P, count, 0.0, finished=True)
         hoop, moved = self.state(P, count)
         # of the innermost face: half a ring is thinner by its compression and by its tension
-        strain = self.law.strain_at(P[0]) - self.law.strain_at(self.inner[0]) - self.grown[1]
+        strain = self.law.strain_at(P[0]) - self.law.strain_at(self.inner[0]) - self.grown[1, 0]
         self.bore_moved = moved[0] + self.d / 2 * (
             strain + self.nu / self.E * (hoop[0] - self.T[0])
         )
@@ -76,7 +91,7 @@ class Rings:
         hoop = -(self.r[1 : k + 1] * P[1:] - self.r[:k] * P[:-1]) / self.d
         hoop = hoop + self.turn * self.middle[:k] ** 2
         since = hoop - self.T[:k] + self.nu * ((P[1:] + P[:-1]) / 2 - self.own[:k])
-        return hoop, self.middle[:k] * (since / self.E + self.grown[0])
+        return hoop, self.middle[:k] * (since / self.E + self.grown[0, :k])
 
     def pressed(self, P: np.ndarray, k: int, top: float, finished: bool = False) -> np.ndarray:
         """Return the pressures of k rings under a pressure on the last, by Newton's method.
@@ -100,7 +115,7 @@ class Rings:
                 + share * (hoop - self.T[:k])
                 + half * self.d * (self.law.strain_at(P[:k]) - self.law.strain_at(self.inner[:k]))
             )
-            miss -= half * self.d * self.grown[1]
+            miss -= half * self.d * self.grown[1, :k]
             miss[0] += self.r[0] * ((P[0] - self.inner[0]) / self.E_c - self.core_grown)
             miss[1:] -= moved[:-1] - share * (hoop[:-1] - self.T[: k - 1]) - self.below[1:k]
             diagonal = by_in + hoop_in + half * self.d / self.law.modulus(P[:k])

@@ -112,7 +112,7 @@ OTHER = {  # other permitted values of fields with defaults
     "air.permeance": 1e-9, "air.full_friction": 0.5, "air.no_friction": 4.0,
     "core_shrinkage": 1e-5, "core_expansion": 1e-6, "tangential_expansion": 1e-6,
     "radial_expansion": 1e-6, "air.viscosity": 2e-5, "air.ambient_pressure": 9e4,
-    "limits.torque_share": 0.5,
+    "limits.torque_share": 0.5, "core_removed": True,
 }  # fmt: skip
 
 

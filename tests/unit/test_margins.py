@@ -8,18 +8,21 @@ import numpy as np
 import pytest
 from coarse_solutions import coarse_solution
 from scipy.integrate import quad
+from scipy.optimize import brentq
 
 import woundon as wo
+from woundon.quantities import in_chosen_units
 from woundon.roll.theories import constant_moduli
 from woundon.winding import margins as module
 from woundon.winding.criteria import (
+    coil_set,
     collapse_pressure,
     sliding_layers_buckling_stress,
     torque_carried,
     torque_share,
 )
 
-NAMES = ("slip", "compression", "blocking", "core", "strength", "slack", "gauge_band")
+NAMES = ("slip", "compression", "blocking", "core", "strength", "slack", "gauge_band", "bending")
 MU = 0.19
 
 
@@ -185,7 +188,7 @@ BROKEN = {
     "slip": {"torque_share": 0.05}, "compression": {"compression": 0.0},
     "blocking": {"blocking_pressure": 2e5}, "core": {"core_pressure": 2e5},
     "strength": {"web_strength": 300.0}, "slack": {"slack_tension": 400.0},
-    "gauge_band": {"yield_strain": 0.001},
+    "gauge_band": {"yield_strain": 0.001}, "bending": {"yield_strain": 0.002},
 }  # fmt: skip
 
 
@@ -199,24 +202,26 @@ def test_all_margins_may_hold(roll: wo.RollResult) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_each_margin_can_fail_and_fails_alone(roll: wo.RollResult, name: str) -> None:
     found = wo.margins(roll, wo.Limits(**{**KEPT, **BROKEN[name]}))
-    assert found.violated == (name,)
-    assert found.least is found[name]
+    # a web that yields by its tension yields the more where it is bent
+    violated = (name, "bending") if name == "gauge_band" else (name,)
+    assert found.violated == violated
+    assert found.least is found[violated[-1]]
     assert found[name].reserve < 0
     message = str(found)
-    assert message.count("VIOLATED") == 1
-    assert found._repr_html_().count("#B00020") == 1  # in red, and in a word
+    assert message.count("VIOLATED") == len(violated)
+    assert found._repr_html_().count("#B00020") == len(violated)  # in red, and in a word
 
 
 def test_none_is_silently_absent(roll: wo.RollResult) -> None:
     found = wo.margins(roll)
-    assert [margin.ok for margin in found] == [None] * 7
+    assert [margin.ok for margin in found] == [None] * 8
     assert found.least is None
     message = str(found)
     for name in NAMES:
         assert f" {found[name].title}: " in message
         assert found[name].left_out.split(",")[0][:20] in " ".join(message.split())
-    assert message.count("not checked") == 7
-    assert message.count("no limit given") == 6
+    assert message.count("not checked") == 8
+    assert message.count("no limit given") == 7
     assert "the friction between layers is not given" in message
 
 
@@ -238,3 +243,49 @@ def test_the_worst_value_of_all_stages_is_continuous() -> None:
         found = module._worst([early, final], [peak, np.array([0.0, 0.0, 1.0])])
         assert found.value == 1 + excess
         assert found.radius == (r[2] if excess < module.ALIKE else r[1])
+
+
+# ---- yield by bending ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("k", [1.2, 2.0, 5.0, 50.0])
+@pytest.mark.parametrize("t", [0.0, 0.3, 0.6, 0.95])
+def test_the_coil_set_by_quadrature(t: float, k: float) -> None:
+    """Independent: a by bisection of the mean stress, on a fine grid of the thickness."""
+    eta = (np.arange(20_000) + 0.5) / 10_000 - 1
+    a = brentq(lambda a: np.mean(np.clip(a + k * eta, -1, 1)) - t, -k - 1, k + 1, xtol=1e-12)
+    kept = 1 - 1.5 / k * 2 * np.mean(np.clip(a + k * eta, -1, 1) * eta)
+    # the grid misses 1e-8 in smooth parts and 1e-8 k at the kinks
+    assert coil_set(t * 2e-3, k * 2e-3, 2e-3) == pytest.approx(kept, abs=1e-6)
+    if t == 0:
+        assert coil_set(0.0, k, 1.0) == pytest.approx(1 - 1.5 / k + 0.5 / k**3, rel=1e-12)
+
+
+def test_the_coil_set_begins_at_yield() -> None:
+    assert coil_set(0.4, 0.6, 1.0) == 0
+    assert 0 < coil_set(0.4, 0.61, 1.0) < 1e-3
+    assert coil_set(0.0, 1e6, 1.0) == pytest.approx(1, abs=2e-6)  # all of it
+
+
+def test_the_margin_of_bending() -> None:
+    strip = wo.RollProblem(
+        core=wo.Core(radius=0.254, stiffness=60e9), radius=0.5, web_thickness=1e-3,
+        wound_on_tension=30e3, stack=wo.Stack(
+            radial=2e9, tangential=210e9, poissons_ratio=0.3, shear=1e9),
+    )  # fmt: skip
+    roll = wo.solve(strip, rtol=1e-2)
+    bending = 1e-3 / 2 / 0.254
+    assert roll.bending_strain[0] == pytest.approx(bending, rel=1e-12)
+    found = wo.margins(roll, wo.Limits(yield_strain=1.2e-3))["bending"]
+    assert found.value == pytest.approx(30e6 / 210e9 + bending, rel=1e-9)
+    assert found.radius == 0.254
+    assert found.ok is False
+    radius = 0.254 / coil_set(30e6 / 210e9, bending, 1.2e-3)
+    assert f"keeps a curl of {1e3 * radius:.3g} mm radius" in in_chosen_units(found.note)
+    assert "straightened" not in found.note
+    assert "straightened" in wo.margins(roll, wo.Limits(yield_strain=0.9e-3))["bending"].note
+    assert "tension alone" in wo.margins(roll, wo.Limits(yield_strain=1e-4))["bending"].note
+    holds = wo.margins(roll, wo.Limits(yield_strain=0.003))["bending"]
+    assert (holds.ok, holds.note) == (True, "")
+    assert wo.margins(roll)["bending"].verdict == "not checked"
+    assert np.isnan(wo.margins(roll).bending)

@@ -91,6 +91,13 @@ def test_the_margins_of_a_released_roll_are_those_on_its_core_and_of_the_finishe
     for name in ("slip", "core"):  # of the same roll on other nodes
         assert released[name].value == pytest.approx(wound[name].value, rel=1e-3)
     assert released["compression"].value > 5 * wound["compression"].value
+    # of 83 layers, whose only evaluated stage is the last one
+    short = ROLL.replace(radius=0.05)
+    on, off = (
+        wo.margins(wo.solve(short.replace(core_removed=off), rtol=1e-2), limits)["core"].value
+        for off in (False, True)
+    )
+    assert off == pytest.approx(on, rel=1e-3)
 
 
 def test_a_core_is_there_or_removed():
@@ -120,6 +127,9 @@ def test_a_thin_ring_of_few_layers_collapses():
     stresses = result.at_radius(r)
     end = int(np.argmax(stresses["hoop_stress"] > 0))
     depth, P = r[end] - 0.5, stresses["pressure"][end]
+    # balance of half the ring, to a step of the radii
+    hoop_force = np.trapezoid(stresses["hoop_stress"][: end + 1], r[: end + 1])
+    assert hoop_force == pytest.approx(-r[end] * P, rel=1e-3)
     R = (r[end] + 0.5) / 2
     # to a step of the radii
     assert result.bonded_collapse_load == pytest.approx(P / (2e9 * depth**3 / 4 / R**3), rel=5e-3)

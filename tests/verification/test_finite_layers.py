@@ -364,8 +364,35 @@ def test_layers_that_separate(share: float, changes: dict):
     np.testing.assert_allclose(edges_found, edges, atol=2 * h)
     assert result.separation_radius == edges_found[-1]
     change = np.max(np.abs(rings.P - np.interp(rings.r, result.radius, result.pressure)))
-    assert change <= 1.25 * result.errors["peak_pressure"]
+    # an estimate of the same size: 1.00 to 1.31 of the difference
+    assert 0.8 < result.errors["peak_pressure"] / change < 1.6
     assert result.residuals.largest <= 1e-8
+
+
+@pytest.mark.filterwarnings("ignore:the layers have separated")
+def test_sliding_layers_next_to_open_ones_buckle_in_a_group():
+    """The worst group by hand: the stress rises from zero at the edge of the open layers."""
+    problem = dried(8.0, core_removed=True)
+    result = wo.solve(problem)
+    edge, h = result.separation_radius, problem.web_thickness
+    depth = np.linspace(h, 0.012, 500)  # the innermost third of the compressed layers
+    P = result.at_radius(edge + depth)["pressure"]
+    shares = P * 4 * (edge + depth / 2) ** 3 / (4e9 * depth * h**2)
+    worst = int(np.argmax(shares))
+    assert 2 * h < depth[worst] < 0.011
+    assert result.sliding_collapse_load == pytest.approx(shares[worst], rel=1e-3)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_layers_on_the_core_under_a_thin_zone_in_contact():
+    """A large source C opens all but the depth w = T/C: P = C (w - x)^2/2 below, b = 0."""
+    problem = dried(1.0).replace(temperature_change=-1000.0, radial_expansion=1e-2)
+    C = 4e9 * 10.0
+    result = wo.solve(problem)
+    # C is less by 2 T, and E_t F(P) by less than P E_t/E_r
+    assert result.core_pressure == pytest.approx((2e6) ** 2 / (2 * C), rel=1e-3)
+    opened = result.radius[result.opening > 0]
+    assert np.log(opened[0] / 0.05) == pytest.approx(2e6 / C, rel=1e-3)
 
 
 def test_a_roll_that_separates_entirely_is_rejected():

@@ -49,6 +49,26 @@ def test_a_spinning_disc_with_a_hole():
     np.testing.assert_allclose(found[1], hoop, rtol=0, atol=1e-6 * c)
 
 
+def test_a_spinning_disc_on_a_core():
+    """On an elastic core, whose radius changes by sigma_r r_c/E_c: two constants of Lame."""
+    nu, a, s, c, E, E_c = 0.3, 0.05, 0.2, 0.4e6, 4e9, 1e9
+    result = wo.solve(plain(E, nu, E_c), rtol=1e-7)
+    r, k = result.radius, c / s**2
+
+    # sigma_r = A - B/r^2 - (3 + nu) k r^2/8,  sigma_t = A + B/r^2 - (1 + 3 nu) k r^2/8
+    def by_body(r: np.ndarray | float) -> tuple:
+        return -(3 + nu) / 8 * k * r**2, -(1 + 3 * nu) / 8 * k * r**2
+
+    (radial_s, _), (radial_a, hoop_a) = by_body(s), by_body(a)
+    soft = nu + E / E_c  # sigma_t = (nu + E/E_c) sigma_r at the core
+    matrix = [[1, -1 / s**2], [1 - soft, (1 + soft) / a**2]]
+    A, B = np.linalg.solve(matrix, [-radial_s, soft * radial_a - hoop_a])
+    radial, hoop = by_body(r)
+    found = by_rotation(result)
+    np.testing.assert_allclose(found[0], A - B / r**2 + radial, rtol=0, atol=1e-6 * c)
+    np.testing.assert_allclose(found[1], A + B / r**2 + hoop, rtol=0, atol=2e-6 * c)
+
+
 @pytest.mark.parametrize("radial", [4e9, 40e6, wo.Pfeiffer(K1=1e5, K2=300.0)])
 def test_a_spinning_ring(radial: object):
     """A thin ring on nothing carries rho v^2 on the average, whatever its stack."""

@@ -36,7 +36,8 @@ class Limits(Description):
     slack_tension : float, optional
         Minimum tension of the web [N/m]; it runs slack below.
     yield_strain : float, optional
-        Strain along the web at which it yields, so that the lane of a gauge band becomes baggy [1].
+        Strain along the web at which it yields, so that the lane of a gauge band becomes baggy, and
+        a thick web keeps the curvature of the roll [1].
 
     Raises
     ------

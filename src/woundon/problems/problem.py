@@ -19,6 +19,10 @@ OF_FINISHED_ROLL = (
     "tangential_expansion",
     "radial_expansion",
     "core_expansion",
+    "moisture_change",
+    "tangential_swelling",
+    "radial_swelling",
+    "core_swelling",
     "core_shrinkage",
     "core_removed",
 )

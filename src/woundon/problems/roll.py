@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import InitVar
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import Quantity, length, share, strain, stress, tension, thickness_of_web
+from ..quantities import Quantity, length, pure, share, strain, stress, tension, thickness_of_web
 from .air_law import AirBetween
 from .assumptions import of_roll
 from .description import Description
@@ -23,6 +23,7 @@ from .radial_laws import Pfeiffer, RadialLaw
 from .schedules import (
     Curve,
     Profile,
+    Schedule,
     Taper,
     WindingSchedule,
     uncovered_ends,
@@ -40,6 +41,7 @@ __all__ = ["Core", "GaugeExcess", "RollProblem"]
 
 # The layers are a continuum, which needs many of them; above a million the web is no paper or film.
 FEWEST_LAYERS, MOST_LAYERS = 10, 1e6
+OF_CORE = "core_shrinkage", "core_expansion", "core_swelling"
 MOST_COMPRESSED = 0.5  # strain under the caliper pressure; small strains end far below
 PER_KELVIN = 1e-2  # larger than the thermal expansion of any solid
 
@@ -53,6 +55,38 @@ GaugeExcess = Annotated[
 
 def _expansion(symbol: str, meaning: str) -> Quantity:
     return Quantity(symbol, "1/K", meaning)
+
+
+def _swelling(symbol: str, meaning: str) -> Quantity:
+    return pure(symbol, f"{meaning}, strain by a moisture content of 1")
+
+
+# Changes of the finished roll by free strains: the largest size of each, and the fields with its
+# coefficients along the web, through the stack and of the core.
+FREE_STRAINS: Mapping[str, tuple[float, tuple[str, str, str]]] = {
+    "temperature_change": (
+        1000.0,
+        ("tangential_expansion", "radial_expansion", "core_expansion"),
+    ),
+    "moisture_change": (1.0, ("tangential_swelling", "radial_swelling", "core_swelling")),
+}
+
+
+class FreeStrain(NamedTuple):
+    """A change of the finished roll over the radius, and the strains by it without stress.
+
+    Attributes
+    ----------
+    change : Curve
+        Of the temperature [K] or of the moisture content [1].
+    along, through, core : float
+        Strains along the web, through the stack and of the core by a change of 1.
+    """
+
+    change: Curve
+    along: float
+    through: float
+    core: float
 
 
 class Core(Description):
@@ -176,10 +210,15 @@ class RollProblem(Problem):
         Thickness across the width, instead of ``gauge_excess``: the result then has ``lanes``.
     oscillation : float
         Amplitude by which the web moves to and fro across the roll [m]: the profile is averaged.
-    temperature_change : float
-        Temperature change of the finished roll including its core [K].
+    temperature_change, moisture_change : float or Profile
+        Change of the temperature [K] and of the moisture content, mass of water over mass of dry
+        web [1], of the finished roll including its core; over the radius if it has not evened out,
+        as in a roll that dries from its surface.
     tangential_expansion, radial_expansion, core_expansion : float
         Coefficients of thermal expansion along the web, through the stack, of the core [1/K].
+    tangential_swelling, radial_swelling, core_swelling : float
+        Strains along the web, through the stack and of the core by a change of the moisture content
+        of 1 [1]: 0.02 is 0.02 % per percent of moisture.
     core_shrinkage : float
         Relative shrinkage of the unloaded core of the finished roll [1].
     core_removed : bool
@@ -234,9 +273,7 @@ class RollProblem(Problem):
     density: WebDensity = default(None)
     web_speed: WebSpeed = default(None)
     temperature_change: Annotated[
-        Number,
-        Quantity("dT", "K", "temperature change of the finished roll", typical=(-40, 40)),
-        Field(ge=-1000, le=1000),
+        Schedule, Quantity("dT", "K", "temperature change of the finished roll", typical=(-40, 40))
     ] = default(0.0)
     tangential_expansion: Annotated[
         Number,
@@ -252,6 +289,18 @@ class RollProblem(Problem):
         Number,
         _expansion("alpha_c", "thermal expansion of the core"),
         Field(ge=-PER_KELVIN, le=PER_KELVIN),
+    ] = default(0.0)
+    moisture_change: Annotated[
+        Schedule, share("dm", "change of the moisture content of the finished roll")
+    ] = default(0.0)
+    tangential_swelling: Annotated[
+        Number, _swelling("beta_t", "swelling along the web"), Field(ge=-10, le=10)
+    ] = default(0.0)
+    radial_swelling: Annotated[
+        Number, _swelling("beta_r", "swelling through the stack"), Field(ge=-10, le=10)
+    ] = default(0.0)
+    core_swelling: Annotated[
+        Number, _swelling("beta_c", "swelling of the core"), Field(ge=-10, le=10)
     ] = default(0.0)
     gauge_excess: GaugeExcess = default(0.0)
     thickness_profile: Annotated[
@@ -283,6 +332,7 @@ class RollProblem(Problem):
                 f"{thickest:.4g} [m]: {FEWEST_LAYERS} to {MOST_LAYERS:.0e} layers",
             )
         self._check_tension()
+        self._check_changes()
         if faults := list(faults_across(self)):
             raise InvalidProblem(faults)
         highest = self._law_of_web.max_pressure
@@ -325,6 +375,31 @@ class RollProblem(Problem):
             )
         self._check_centrifugal_force()
 
+    def _check_changes(self) -> None:
+        """Reject changes of the finished roll out of range, or that do not reach its ends."""
+        faults: list[tuple[str, str]] = []
+        for name, (largest, _) in FREE_STRAINS.items():
+            schedule, unit = getattr(self, name), "[K]" if name == "temperature_change" else "[1]"
+            for part, value in values_of(schedule).items():
+                if not abs(value) <= largest:
+                    text = f"must be >= {-largest:g} and <= {largest:g} {unit}"
+                    faults.append((f"{name}{part}", f"{quote(value)} is out of range; {text}"))
+            if isinstance(schedule, Profile):
+                faults += uncovered_ends(name, schedule, self.core.radius, self.radius)
+        if faults:
+            raise InvalidProblem(faults)
+
+    @property
+    def free_strains(self) -> tuple[FreeStrain, ...]:
+        """The changes of the finished roll that strain it without stress."""
+        return tuple(
+            FreeStrain(
+                Curve(getattr(self, name), self.core.radius, self.radius),
+                *(getattr(self, coefficient) for coefficient in coefficients),
+            )
+            for name, (_, coefficients) in FREE_STRAINS.items()
+        )
+
     def _check_centrifugal_force(self) -> None:
         """Reject a tension that does not hold the running web on the roll."""
         force = self.centrifugal_tension
@@ -360,13 +435,16 @@ class RollProblem(Problem):
     @property
     def unused(self) -> tuple[str, ...]:
         """See :attr:`.Problem.unused`."""
-        expansions = ("tangential_expansion", "radial_expansion", "core_expansion")
-        expands = any(getattr(self, name) for name in expansions)
+        without_effect: list[str] = []
+        for change, (_, coefficients) in FREE_STRAINS.items():
+            if getattr(self, change) == 0:
+                without_effect += coefficients
+            if not any(getattr(self, name) for name in coefficients):
+                without_effect.append(change)
         return (
             "stack.shear_exponent",  # an axisymmetric roll is not sheared
-            *(expansions if self.temperature_change == 0 else ()),
-            *(("core_shrinkage", "core_expansion") if self.core_removed else ()),
-            *(() if expands else ("temperature_change",)),
+            *without_effect,
+            *(OF_CORE if self.core_removed else ()),
             *unused_in_tapers(self, ("wound_on_tension",)),
             *(("oscillation",) if self.thickness_profile is None else ()),
             *(("web_speed",) if self.density is None else ()),

@@ -30,15 +30,19 @@ from .report_parts import (
 __all__ = ["ROLL", "roll_report", "thin_layers_note"]
 
 # in other rows
-BORE = [
-    "bore_hoop_stress",
-    "bore_displacement",
+WEIGHT = ["weight_pressure", "weight_share", "flat_width"]
+OFF_CORE = [
     "core_gap",
     "separation_radius",
     "sliding_collapse_load",
     "bonded_collapse_load",
 ]
-LEFT_OUT = frozenset({"residual", "steps", "compressed_share", "lane_count", *BORE}) | WORST_LANE
+IN_OTHER_SECTIONS = frozenset({*OFF_CORE, *WEIGHT})
+LEFT_OUT = (
+    frozenset({"residual", "steps", "compressed_share", "lane_count"})
+    | IN_OTHER_SECTIONS
+    | WORST_LANE
+)
 BAND = "Thickest lane across the width (closed form)"
 # of a roll alone, and of the roll of a winding
 ROLL = [
@@ -51,6 +55,8 @@ ROLL = [
 ]
 NAMES = [
     *ROLL,
+    "bore_hoop_stress",
+    "bore_displacement",
     "layer_count",
     "mass",
     "wound_mass",
@@ -60,7 +66,7 @@ NAMES = [
 ]
 OF_DENSITY = frozenset({"mass", "wound_mass", "mean_density"})
 # changes of the finished roll that are not zero
-CHANGES = ("temperature_change", "core_shrinkage")
+CHANGES = ("temperature_change", "moisture_change")
 
 
 def roll_report(result: RollResult) -> list[Part]:
@@ -71,7 +77,13 @@ def roll_report(result: RollResult) -> list[Part]:
     names = [name for name in NAMES if problem.density is not None or name not in OF_DENSITY]
     # a stress at core and surface, as a tension per width
     tensions = problem.tension_curve.at(r[[0, -1]]) * problem.web_thickness
-    changes = rows_of_given(problem, *CHANGES)
+    changes = [
+        row
+        for name, strain_by in zip(CHANGES, problem.free_strains, strict=True)
+        if getattr(problem, name)
+        for row in schedule_rows(problem, name, strain_by.change.at(r[[0, -1]]))
+    ]
+    changes += rows_of_given(problem, "core_shrinkage")
     notes = {
         "peak_pressure": _location(r[np.argmax(result.pressure)]),
         "least_hoop_stress": _location(r[np.argmin(hoop)]),
@@ -94,6 +106,7 @@ def roll_report(result: RollResult) -> list[Part]:
         ),
         *([Section("Changes of the finished roll", tuple(changes))] if changes else []),
         *_off_core(result),
+        *_weight(result),
         *_gauge_band(result),
         *lanes_sections(result),
         *_other_theories(result),
@@ -126,7 +139,7 @@ def _off_core(result: RollResult) -> Iterator[Section]:
     has_open_layers = bool((result.opening > 0).any())
     if not (result.is_off_core or has_open_layers):
         return
-    known = [name for name in BORE if not isnan(value_of(result, name))]
+    known = [name for name in OFF_CORE if not isnan(value_of(result, name))]
     texts = [
         "Layers that are relieved follow the law of the stack back: hysteresis is neglected.",
     ]
@@ -139,6 +152,23 @@ def _off_core(result: RollResult) -> Iterator[Section]:
     title = "Off the core" if result.is_off_core else "Separated layers"
     rows = tuple(output_row(result, name) for name in known)
     yield Section(title, rows, " ".join(texts))
+
+
+def _weight(result: RollResult) -> Iterator[Section]:
+    """Yield the section of the weight of a roll whose density is known."""
+    known = [name for name in WEIGHT if not isnan(value_of(result, name))]
+    if known:
+        note = (
+            "The flattened width is that of a line contact with the moduli of the stack at its "
+            "pressure below the surface."
+        )
+        if "weight_share" in known:
+            on_core = (
+                "Without friction the weight changes the pressure between the layers by the ratio; "
+                "above 1 they separate below the core. "
+            )
+            note = on_core + note
+        yield Section("Weight", tuple(output_row(result, name) for name in known), note)
 
 
 def _gauge_band(result: RollResult) -> Iterator[Section]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..results import Residuals, largest
-from .finished import add_constant, core_gap, equations_of, final_changes, finished_zones
+from .finished import FinalChanges, core_gap, equations_of, finished_zones
 from .stage_nodes import cell_source
 
 __all__ = ["certificate"]
@@ -36,16 +36,16 @@ def certificate(result: Any) -> Residuals:
     curve, E_t, nu = problem.tension_curve, stack.tangential, stack.poissons_ratio
     r, P, Q = result.radius, result.pressure, result.pressure_gradient
     x, T = np.log(r), curve.at(r)
-    unit, (source_change, core_change) = float(T[0]), final_changes(problem)
-    source = add_constant(cell_source(curve, result.kappa, x), source_change)
+    unit, changes = float(T[0]), FinalChanges(problem)
+    source = changes.added_to(cell_source(curve, result.kappa, x), x)
     radii = [problem.core.radius, result.stage_radius[-1]]
     zones = finished_zones(problem, P, Q)
-    stage = zones.stage(x, source, unit + core_change, np.zeros(x.size))
+    stage = zones.stage(x, source, unit + changes.core, np.zeros(x.size))
     equations = equations_of(problem).at_rest
     residual, _ = equations.residual(stage, P[zones.nodes], Q[zones.nodes])
     ends = np.append(2 * stage.firsts, 2 * stage.lasts + 1)  # the other rows are of cells
     hoop = -(P + Q)
-    strain = (hoop + nu * P) / E_t + problem.tangential_expansion * problem.temperature_change
+    strain = (hoop + nu * P) / E_t + changes.along(r)
     expected = np.append(source.left, source.right[-1])  # at the nodes, as reported
     # a core that is not removed may not penetrate the roll
     overlap = 0.0 if problem.core_removed else float(-core_gap(result)) * E_t / r[0]

@@ -11,7 +11,7 @@ mass is dm = rho h dL.  Divided by the increase of the roll volume, it is the de
 analyser measures during winding, from the diameter and the length of web on the roll.  Divided by
 the final volume of these layers, at r + u, it is the density of the finished roll, in which
 
-    du/dr = (1 + kappa) T/E_t + eps_r,    eps_r = -F(P) - nu sigma_t/E_t + alpha_r dT + eps_g
+    du/dr = (1 + kappa) T/E_t + eps_r,    eps_r = -F(P) - nu sigma_t/E_t + e_r + eps_g
 
 (eps_g by gaps between open layers) follows from the equations (:mod:`.equations`), so that a layer
 of the finished roll has the thickness h_0 (1 + eps_r) to first order of the strains, h (1 - (F(P) -
@@ -25,6 +25,8 @@ from math import pi
 from typing import Any
 
 import numpy as np
+
+from .finished import FinalChanges
 
 __all__ = ["density_during_winding", "finished_density", "volume", "wound_length"]
 
@@ -71,7 +73,7 @@ def finished_density(result: Any) -> Array:
     radial_strain = (
         -stack.radial.strain_at(result.pressure)
         - stack.poissons_ratio / stack.tangential * hoop
-        + problem.radial_expansion * problem.temperature_change
+        + FinalChanges(problem).through(r)
         + result.opening
     )
     du_dr = _winding_strains(result, r)[0] + radial_strain

@@ -1,9 +1,11 @@
 """The finished roll: equations of a problem, changes after winding, and the arrays of a result.
 
-After winding, the temperature changes by dT and the core shrinks by the strain eps_c.  The stresses
-are those of the equations of a stage (:mod:`.equations`) with C and T_c changed by
+After winding, temperature and moisture change, and the core shrinks by the strain eps_c.  Without
+stress the layers would be strained by e_t(r) along the web and by e_r(r) through the stack, the
+core by e_c.  Compatibility (:mod:`.equations`) contains D e_t + e_t - e_r, so that the stresses are
+those of a stage with C and T_c changed by
 
-    dC = E_t (alpha_t - alpha_r) dT,        dT_c = E_t ((alpha_c - alpha_t) dT - eps_c).
+    dC = E_t (e_t - e_r + r e_t'),        dT_c = E_t (e_c - e_t(r_c) - eps_c).
 
 The core may be removed or shrink away from the roll, and layers may part (:mod:`.separation`).
 """
@@ -15,7 +17,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import NotConverged
-from .equations import CellSource, StageData, StageEquations, StageSolution
+from ..problems.schedules import Profile
+from .equations import (
+    CellSource,
+    StageData,
+    StageEquations,
+    StageSolution,
+    interpolate_pressure,
+)
 from .separation import (
     ContactZones,
     NotSeparatedError,
@@ -23,17 +32,16 @@ from .separation import (
     solve_on_core,
     with_open_layers,
 )
-from .stage_nodes import cell_source, kinks_of, nodes_between
+from .stage_nodes import cell_source, evaluate_in_cells, kinks_of, nodes_between
 
 if TYPE_CHECKING:
     from ..problems.roll import RollProblem
     from .growth import Growth
 
 __all__ = [
-    "add_constant",
+    "FinalChanges",
     "core_gap",
     "equations_of",
-    "final_changes",
     "finished_arrays",
     "finished_zones",
     "surface_layer_depth",
@@ -44,6 +52,7 @@ Array = np.ndarray
 # Largest E_t/E_c that is distinguished from an infinite one: the pressure on the core is then about
 # 1e-5 of the largest.  The nodes are E_c/E_t apart there; closer ones differ by rounding in ln r.
 SOFTEST_CORE = 1e7
+SAME = 1e-9  # of ln r: nodes closer together are one
 FEWEST_CELLS = 23  # of a zone between open layers
 # Pressure below zero, relative to the largest one, that is a rounding error: layers in contact.
 ROUNDING = 1e-9
@@ -80,16 +89,58 @@ def surface_layer_depth(problem: RollProblem) -> float:
     return min(law.pressure_at_modulus(2 * E) / T, (E / problem.stack.tangential) ** 0.5, 0.3)
 
 
-def final_changes(problem: RollProblem) -> tuple[float, float]:
-    """Return the changes of the source C and of T_c of the core condition after winding [Pa].
+class FinalChanges:
+    """The changes of the source C and of T_c of the core condition after winding.
 
-    They are those by the temperature change and the shrinkage of the core.
+    They are those by free strains of layers and core, and by the shrinkage of the core.
+
+    Parameters
+    ----------
+    problem : RollProblem
+
+    Attributes
+    ----------
+    core : float
+        dT_c [Pa].
+    is_uniform : bool
+        True if the free strains do not depend on the radius.
+    kinks : (k,) array
+        ln r at which the slope of a free strain jumps.
     """
-    E_t, dT = problem.stack.tangential, problem.temperature_change
-    alpha_t = problem.tangential_expansion
-    source = E_t * (alpha_t - problem.radial_expansion) * dT
-    core = E_t * ((problem.core_expansion - alpha_t) * dT - problem.core_shrinkage)
-    return source, core
+
+    def __init__(self, problem: RollProblem) -> None:
+        self.strains, self.tangential = problem.free_strains, problem.stack.tangential
+        r_c = np.array([problem.core.radius])
+        core = sum((s.core - s.along) * float(s.change.at(r_c)[0]) for s in self.strains)
+        self.core = self.tangential * (core - problem.core_shrinkage)
+        profiles = [s.change for s in self.strains if isinstance(s.change.schedule, Profile)]
+        self.is_uniform = not profiles
+        kinks = [change.kinks for change in profiles]
+        self.kinks = np.log(np.unique(np.concatenate(kinks))) if kinks else np.zeros(0)
+
+    def __bool__(self) -> bool:
+        """Return True if there are any changes."""
+        some = any((s.along or s.through) and s.change.schedule != 0 for s in self.strains)
+        return bool(self.core or some)
+
+    def along(self, r: Array) -> Array:
+        """Return the free strain e_t along the web at radii [1]."""
+        return np.asarray(sum(s.along * s.change.at(r) for s in self.strains))
+
+    def through(self, r: Array) -> Array:
+        """Return the free strain e_r through the stack at radii [1]."""
+        return np.asarray(sum(s.through * s.change.at(r) for s in self.strains))
+
+    def source(self, x: Array, side: int | Array = 1) -> Array:
+        """Return dC at ln r = x [Pa]; at a kink, that of its inner (-1) or outer (1) side."""
+        r = np.exp(x)
+        slope = sum(s.along * s.change.slope(r, side) for s in self.strains)
+        return np.asarray(self.tangential * (self.along(r) - self.through(r) + r * slope))
+
+    def added_to(self, source: CellSource, x: Array) -> CellSource:
+        """Return a source in cells with the nodes ln r = x after the changes [Pa]."""
+        change = evaluate_in_cells(x, self.source)
+        return CellSource(*(C + dC for C, dC in zip(source, change, strict=True)))
 
 
 def core_gap(result: Any) -> float:
@@ -104,13 +155,8 @@ def core_gap(result: Any) -> float:
     if P != 0:
         return 0.0
     r_c = problem.core.radius
-    T_c = float(problem.tension_curve.at(np.array([r_c]))[0]) + final_changes(problem)[1]
+    T_c = float(problem.tension_curve.at(np.array([r_c]))[0]) + FinalChanges(problem).core
     return float(-(T_c + Q) * r_c / problem.stack.tangential)
-
-
-def add_constant(source: CellSource, constant: float) -> CellSource:
-    """Return a source with a constant [Pa] added in every cell."""
-    return CellSource(*(part + constant for part in source))
 
 
 def finished_arrays(
@@ -142,12 +188,12 @@ def finished_arrays(
     x, P, Q = _finished_state(problem, equations, x, growth, solved)
     r = np.exp(x)
     r[0], r[-1] = problem.core.radius, problem.radius  # without the rounding error of exp(ln r)
-    T, source_change = curve.at(r), final_changes(problem)[0]
-    source = add_constant(cell_source(curve, growth, x), source_change)
+    T, changes = curve.at(r), FinalChanges(problem)
+    source = changes.added_to(cell_source(curve, growth, x), x)
     E_t = stack.tangential
     hoop = -(P + Q)
     strain = (hoop + stack.poissons_ratio * P) / E_t
-    strain = strain + problem.tangential_expansion * problem.temperature_change
+    strain = strain + changes.along(r)
     return {
         "radius": r,
         "pressure": P,
@@ -179,7 +225,8 @@ def _finished_state(
 ) -> tuple[Array, Array, Array]:
     """Return nodes ln r, P and Q of the finished roll, (M,) arrays [Pa].
 
-    The nodes differ from those of the roll as wound only if layers have parted.
+    The nodes differ from those of the roll as wound if layers have parted, and by the kinks of the
+    changes.
 
     Parameters
     ----------
@@ -198,22 +245,31 @@ def _finished_state(
         If no equilibrium exists after the changes.
     """
     curve, removed = problem.tension_curve, problem.core_removed
-    source_change, core_change = final_changes(problem)
-    T_c = float(curve.at(np.array([problem.core.radius]))[0]) + core_change
+    changes = FinalChanges(problem)
+    T_c = float(curve.at(np.array([problem.core.radius]))[0]) + changes.core
 
     def source_at(nodes: Array) -> CellSource:
         """Return the source in the cells between nodes, after the changes [Pa]."""
-        return add_constant(cell_source(curve, growth, nodes), source_change)
+        return changes.added_to(cell_source(curve, growth, nodes), nodes)
 
     def nodes_of_zone(inner: float, outer: float) -> Array:
         """Return as many nodes between two ends as the roll has, dense at both."""
-        kinks = kinks_of(curve, growth, outer)
+        kinks, jumps = kinks_of(curve, growth, outer)
+        of_changes = changes.kinks[changes.kinks < outer]
+        kinks, jumps = np.append(kinks, of_changes), np.append(jumps, 0.0 * of_changes)
+        order = np.argsort(kinks)
         cells = max(x.size - 1 - curve.kinks.size, FEWEST_CELLS)
         depth = surface_layer_depth(problem)
-        return nodes_between(inner, outer, cells, depth, *kinks, equations.core_layer)
+        layer = equations.core_layer
+        return nodes_between(inner, outer, cells, depth, kinks[order], jumps[order], layer)
 
+    P, Q = wound.P, wound.Q
+    if changes.kinks.size:
+        with_kinks = _with_nodes(x, changes.kinks)
+        P, Q = interpolate_pressure(x, P, Q, with_kinks)
+        x, wound = with_kinks, wound._replace(P=P, Q=Q)
     data = StageData(x, source_at(x), T_c)
-    final = solve_on_core(equations, data, wound.P, wound.Q, removed)
+    final = solve_on_core(equations, data, P, Q, removed)
     if final is None:
         raise NotConverged("no equilibrium after the change of temperature or core")
     (P, Q, _), off_core = final
@@ -226,6 +282,13 @@ def _finished_state(
     if off_core[0]:
         P[0] = 0.0  # without rounding: it marks a roll off its core
     return x, P, Q
+
+
+def _with_nodes(x: Array, kinks: Array) -> Array:
+    """Return nodes ln r with those of kinks added; nodes next to a kink are replaced by it."""
+    nearest = np.min(np.abs(x[1:-1, None] - kinks), axis=1)
+    inner = x[1:-1][nearest > SAME]
+    return np.concatenate([x[:1], np.union1d(inner, kinks), x[-1:]])
 
 
 def finished_zones(problem: RollProblem, P: Array, Q: Array) -> ContactZones:

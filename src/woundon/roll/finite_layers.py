@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import NotConverged
 from .build_up import Layers
 from .equations import interpolate_pressure
-from .finished import add_constant, equations_of, final_changes, finished_zones
+from .finished import FinalChanges, equations_of, finished_zones
 from .separation import solve_on_core
 from .stage_nodes import cell_source
 
@@ -45,10 +45,10 @@ def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
     x = np.log(result.radius)
     if np.isnan(result.layer_growth).any():
         return np.full(x.size, np.nan), np.full(x.size, np.nan)
-    layers, (source_change, core_change) = layers_of(result), final_changes(result.problem)
+    layers, changes = layers_of(result), FinalChanges(result.problem)
     tension, h = layers.tension, layers.thickness
-    source = add_constant(cell_source(tension, result.layer_kappa, x), source_change)
-    T_c = float(tension.at(result.radius[:1])[0]) + core_change
+    source = changes.added_to(cell_source(tension, result.layer_kappa, x), x)
+    T_c = float(tension.at(result.radius[:1])[0]) + changes.core
     P, Q, own = result.pressure, result.pressure_gradient, layers.own_pressure(x)
     # nothing presses on the outermost layer, nor on the ends of open zones, whose edges are kept
     zones = finished_zones(result.problem, P, Q)
@@ -84,15 +84,18 @@ def finite_layer_effects(result: Any) -> dict[str, float]:
     # the smooth curve, and the inner and the outer faces
     hoop = result.hoop_stress + hoop_change, *_hoop_stress_at_faces(result, change, hoop_change)
     least, bore = result.least_hoop_stress, result.bore_hoop_stress
+    at_bore = np.array([float(curve[0]) - bore for curve in hoop])
+    # of exponential and of algebraic decay
+    bore_factor = max(factor, float(np.max(_higher_order_factor(at_bore, np.array(abs(bore))))))
     effects = {
         "peak_pressure": float(np.max(size)),
         "core_pressure": float(size[0]),
         "mid_pressure": float(max(*np.interp(middle, r, size), *size[near_middle])),
         "least_hoop_stress": max(
-            abs(float(np.min(curve)) - least) * (1.0 if np.argmin(curve) else factor)
+            abs(float(np.min(curve)) - least) * (1.0 if np.argmin(curve) else bore_factor)
             for curve in hoop
         ),
-        "bore_hoop_stress": max(abs(float(curve[0]) - bore) for curve in hoop) * factor,
+        "bore_hoop_stress": float(np.max(np.abs(at_bore))) * bore_factor,
     }
     return with_bore_displacement(result.problem, effects)
 
@@ -144,10 +147,10 @@ def _hoop_stress_at_faces(result: Any, change: Array, hoop_change: Array) -> tup
 
     The layers begin at the nodes, few layers at their own radii.  Equilibrium gives the mean hoop
     stress of a layer from the pressures on its faces.  In a layer, wound with the stress T under
-    its own pressure P_own, the source of the equations of a stage is -T - E_t F(P_own), plus dC by
-    the changes after winding:
+    its own pressure P_own, the source of the equations of a stage is -T - E_t F(P_own), in a roll
+    that is wound at a speed less nu c, plus dC by the changes after winding:
 
-        r d sigma_t/dr = T - sigma_t - E_t (F(P) - F(P_own)) - dC = D,
+        r d sigma_t/dr = T + nu c - sigma_t - E_t (F(P) - F(P_own)) - dC = D,
 
     integrated by Simpson's rule from D at the inner face, in the middle and at the outer face.
 
@@ -163,7 +166,7 @@ def _hoop_stress_at_faces(result: Any, change: Array, hoop_change: Array) -> tup
     """
     layers, h = layers_of(result), float(result.problem.web_thickness)
     E_t, strain = layers.equations.tangential, layers.equations.strain
-    source_change, _ = final_changes(result.problem)
+    changes, c = FinalChanges(result.problem), layers.thin.centrifugal
     x, P = np.log(result.radius), result.pressure + change
     Q = -(result.hoop_stress + hoop_change) - P
     core, surface = result.radius[[0, -1]].tolist()
@@ -175,7 +178,11 @@ def _hoop_stress_at_faces(result: Any, change: Array, hoop_change: Array) -> tup
     faces = [interpolate_pressure(x, P, Q, np.log(r + part * h))[0] for part in (0, 0.5, 1)]
     mean = (r * faces[0] - (r + h) * faces[2]) / h
     inner, middle, outer = (
-        T - mean - E_t * (strain(P) - strain(T * h / r * (1 - part))) - source_change
+        T
+        + layers.thin.poissons_ratio * c
+        - mean
+        - E_t * (strain(P) - strain((T - c) * h / r * (1 - part)))
+        - changes.source(np.log(r + part * h))
         for P, part in zip(faces, (0, 0.5, 1), strict=True)
     )
     share = h / (r + h / 2)  # the thickness of a layer in ln r

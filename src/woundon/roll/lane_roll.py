@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
+from ..problems.bending import bends
 from ..problems.thickness_profile import Lanes
 from ..quantities import Quantity, length, line_load, on_request, share, strain, stress
 from .build_up import BuildUp, NotWoundError
 from .equations import StageData, StageSolution, stretched
-from .finished import ROUNDING, add_constant, equations_of, final_changes, surface_layer_depth
+from .finished import ROUNDING, FinalChanges, equations_of, surface_layer_depth
 from .lane_tension import tension_of_web
 from .lanes import LOAD, RHO, THETA, WEB, LaneBuildUp, TensionAt, wind_lanes
 from .separation import solve_on_core
@@ -341,10 +342,10 @@ def solve_lanes(
     """Solve for the lanes of a roll, and estimate the errors of their worst values.
 
     A lane has the mean thickness of its part of the width.  Further lanes without a share of the
-    width, which do not affect the others, have the extreme thicknesses of the profile: the
-    difference of their worst values from those of the lanes is the error of the number of lanes.
-    The stages add their tolerance, or their largest error where that exceeds it, and the mean roll
-    its own.
+    width, which do not affect the others, have the extreme thicknesses of the profile, and lie at
+    the edges and in the middle of the web if a drum bends: the difference of their worst values
+    from those of the lanes is the error of the number of lanes.  The stages add their tolerance, or
+    their largest error where that exceeds it, and the mean roll its own.
 
     Parameters
     ----------
@@ -367,7 +368,11 @@ def solve_lanes(
         of the law of the stack.
     """
     profile, oscillation = problem.thickness_profile, problem.oscillation
-    lanes, extremes = profile.lanes(count, oscillation), profile.extremes(oscillation)
+    lanes = profile.lanes(count, oscillation)
+    # a bent drum has its extreme loads at the edges and in the middle
+    first, last = profile.position[0], profile.position[-1]
+    bent = (first, (first + last) / 2, last) if bends(problem) else ()
+    extremes = profile.extremes(oscillation, bent)
     together = Lanes(*(np.concatenate(pair) for pair in zip(lanes, extremes, strict=True)))
     solved = _solve(result, build_up, together, nips, tolerance)
     roll = solved.of_lanes(lanes)
@@ -458,11 +463,11 @@ def _shared(functions: Array, weight: Array) -> Array:
 def _finished(problem: Any, wound: LaneBuildUp, lanes: Lanes) -> tuple[Array, Array]:
     """Return P and Q of the lanes after the changes of the finished roll, (L, M) arrays [Pa]."""
     assert wound.data is not None
-    source_change, core_change = final_changes(problem)
+    changes = FinalChanges(problem)
     data = replace(
         wound.data,
-        source=add_constant(wound.data.source, source_change),
-        tension=wound.data.tension + core_change,
+        source=changes.added_to(wound.data.source, wound.data.x),
+        tension=wound.data.tension + changes.core,
     )
     found = solve_on_core(
         equations_of(problem), data, wound.P.ravel(), wound.Q.ravel(), problem.core_removed
@@ -472,7 +477,7 @@ def _finished(problem: Any, wound: LaneBuildUp, lanes: Lanes) -> tuple[Array, Ar
     solved, _ = found
     P, Q = solved.P.reshape(wound.P.shape), solved.Q.reshape(wound.P.shape)
     loosest = np.unravel_index(np.argmin(P), P.shape)
-    changed = source_change or core_change or problem.core_removed
+    changed = bool(changes) or problem.core_removed
     if changed and P[loosest] < -ROUNDING * float(np.max(P)):
         place = f"the lane at {lanes.position[loosest[0]]:.4g} m across the web"
         raise NotConverged(

@@ -17,12 +17,13 @@ from ..results import Residuals, Result
 from .certificate import certificate
 from .collapse import collapse_loads
 from .density import density_during_winding, finished_density, volume, wound_length
-from .finished import core_gap, final_changes
+from .finished import FinalChanges, core_gap
 from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .growth import Growth
 from .lane_roll import LANES, LaneRoll, WithLanes, build_up_of, solve_lanes
 from .stages import Stage, stage_arrays, stresses_between, wound_stage
 from .validity import roll_warnings
+from .weight import flat_width, weight_of_layers, weight_share
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -156,7 +157,7 @@ class RollResult(WithLanes, Result):
     @property
     def is_changed(self) -> bool:
         """True if the finished roll differs from the roll as wound."""
-        return self.problem.core_removed or any(final_changes(self.problem))
+        return self.problem.core_removed or bool(FinalChanges(self.problem))
 
     @cached_property
     def as_wound(self) -> Stage:
@@ -323,6 +324,38 @@ class RollResult(WithLanes, Result):
         if density is None:
             return float("nan")
         return self.length * float(self.problem.web_thickness) * float(density)
+
+    @property
+    def bending_strain(
+        self,
+    ) -> Annotated[Array, strain("eps_b", "bending strain at the faces of the layers")]:
+        """h/2r, the strain at the faces of a straight web that is bent to the radius r [1]."""
+        return np.asarray(self.problem.web_thickness / (2 * self.radius))
+
+    @property
+    def weight_pressure(
+        self,
+    ) -> Annotated[float, stress("p_W", "mean pressure on the core by the weight of the roll")]:
+        """W/(2 r_c), the weight over the projected core [Pa]; nan without density or core."""
+        weight = weight_of_layers(self, self.radius[:1])[0]
+        return float("nan") if self.is_off_core else float(weight / (2 * self.radius[0]))
+
+    @property
+    def weight_share(
+        self,
+    ) -> Annotated[float, pure("s_W", "change of the pressure by the weight / pressure")]:
+        """Largest change of the pressure by the weight, without friction, over the pressure [1].
+
+        Above 1 the layers, or core and roll, separate below the core.  Nan as ``weight_pressure``.
+        """
+        return weight_share(self)
+
+    @property
+    def flat_width(
+        self,
+    ) -> Annotated[float, length("w_f", "flattened width of the roll on a floor (estimate)", "mm")]:
+        """Width of the contact of the roll with a rigid floor [m], an estimate; nan as ``mass``."""
+        return flat_width(self)
 
     @property
     def residual_tension(

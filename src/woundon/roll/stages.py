@@ -115,6 +115,7 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
         wound_on_tension=_schedule_until(problem, surface),
         # the changes after winding do not apply to a stage
         temperature_change=0.0,
+        moisture_change=0.0,
         core_shrinkage=0.0,
         core_removed=False,
     )

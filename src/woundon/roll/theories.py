@@ -9,9 +9,10 @@ import numpy as np
 from ..arguments import check_type, whole_number
 from ..errors import InvalidProblem
 from ..problems.radial_laws import Constant
-from ..problems.roll import RollProblem
+from ..problems.roll import FREE_STRAINS, RollProblem
+from ..problems.schedules import Profile
 from ..problems.stack import Stack
-from .finished import equations_of, final_changes
+from .finished import FinalChanges, equations_of
 from .layer_by_layer import wind_layers
 from .stage_nodes import nodes_between
 
@@ -57,7 +58,7 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
     Raises
     ------
     InvalidProblem
-        For a stack whose modulus depends on the pressure.
+        For a stack whose modulus depends on the pressure, and for changes over the radius.
     """
     check_type("problem", problem, RollProblem)
     stack = problem.stack
@@ -65,6 +66,9 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
         raise InvalidProblem.at(
             "stack.radial", "depends on the pressure; must be a number, the constant modulus"
         )
+    for name in FREE_STRAINS:
+        if isinstance(getattr(problem, name), Profile):
+            raise InvalidProblem.at(name, "depends on the radius; must be a number")
     r = np.atleast_1d(np.asarray(radius, dtype=float))
     core, R, E_t = problem.core.radius, problem.radius, stack.tangential
     equations = equations_of(problem)
@@ -139,8 +143,8 @@ def _final_changes(
 
     Off the core the pressure there is zero: P = -P_c, with the pressure P_c as wound.
     """
-    source, core_tension = final_changes(problem)
-    core, R = problem.core.radius, problem.radius
+    changes, core, R = FinalChanges(problem), problem.core.radius, problem.radius
+    source, core_tension = float(changes.source(np.log(core))), changes.core
 
     def particular(r: Array) -> tuple[Array, Array]:
         """Return the particular solution P and r P': a constant, or a logarithm for g = 1."""

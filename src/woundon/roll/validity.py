@@ -107,7 +107,7 @@ def _stack_warnings(result: Any) -> Iterator[str]:
 
 
 def yield_warnings(problem: RollProblem, yield_strain: float | None) -> tuple[str, ...]:
-    """Return a warning if the web yields where it is bent on the core.
+    """Return a warning if the web yields where it is bent on the core, under its tension.
 
     Parameters
     ----------
@@ -115,13 +115,14 @@ def yield_warnings(problem: RollProblem, yield_strain: float | None) -> tuple[st
     yield_strain : float, optional
         Of the web, if it is known [1].
     """
-    bending = _bending_strain(problem)
-    if yield_strain is None or bending <= yield_strain:
+    bending, core = _bending_strain(problem), problem.core.radius
+    wound = float(problem.tension_curve.at(np.array(core))) / problem.stack.tangential
+    if yield_strain is None or wound + bending <= yield_strain:
         return ()
     return (
-        f"the web yields where it is bent on the core of {problem.core.radius * 1e3:.4g} mm "
-        f"radius: its bending strain of {100 * bending:.3g}% exceeds the yield strain of "
-        f"{100 * yield_strain:.3g}%",
+        f"the web yields where it is bent on the core of {core * 1e3:.4g} mm radius: its strain of "
+        f"{100 * wound:.3g}% by the tension and {100 * bending:.3g}% by bending exceeds the yield "
+        f"strain of {100 * yield_strain:.3g}%",
     )
 
 

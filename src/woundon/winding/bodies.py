@@ -31,6 +31,7 @@ from ..problems.winding import WindingProblem
 from ..problems.wound_roll import WoundRoll
 from ..roll.result import RollResult
 from ..roll.stages import Stage
+from ..roll.weight import DEPTHS, PEAK_COEFFICIENT
 
 __all__ = [
     "NipSample",
@@ -47,8 +48,6 @@ __all__ = [
 Array = np.ndarray
 Solve = Callable[[Body, NipResult | None], NipResult]
 
-PEAK_COEFFICIENT = 0.25  # of p_max in P_e
-DEPTHS = 33  # at which the wound pressure is averaged
 EXPONENT_STEP = 0.01  # relative difference of P_e for its exponents
 MAX_NIPS = 25  # in the iteration for P_e
 # Relative differences of P_e below this are too noisy to determine the exponents.

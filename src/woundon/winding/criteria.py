@@ -10,6 +10,7 @@ from ..problems.materials import Isotropic
 from ..problems.roll import Core
 
 __all__ = [
+    "coil_set",
     "collapse_pressure",
     "ring_inertia",
     "sliding_layers_buckling_stress",
@@ -70,6 +71,42 @@ def torque_share(r: Array, P: Array, friction: float | Array, torque: Array) -> 
     capacity = 2 * pi * np.asarray(r) ** 2 * friction * np.maximum(P, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(torque > 0, torque / capacity, 0.0)
+
+
+def coil_set(membrane: float, bending: float, yield_strain: float) -> float:
+    """Return the curvature that a web keeps after winding, relative to that of the roll [1].
+
+    The web is elastic and perfectly plastic, with the strain e_0 of its tension and the bending
+    strain e_b = h/2r at its faces.  At eta = 2 z/h the stress relative to that of yield is
+
+        s = a + k eta, at most 1 and at least -1,    k = e_b/e_y,    int s d eta = 2 e_0/e_y,
+
+    and without moment the web springs back elastically by (3/2) int s eta d eta relative to k.  In
+    pure bending 1 - 3/(2 k) + 1/(2 k^3) remains (Timoshenko, Strength of Materials II, plastic
+    bending).
+
+    Parameters
+    ----------
+    membrane, bending, yield_strain : float
+        e_0, e_b and e_y [1]; e_0 < e_y.
+
+    Returns
+    -------
+    float
+        0 if nothing yields.
+    """
+    t, k = membrane / yield_strain, bending / yield_strain
+    if t + k <= 1:
+        return 0.0
+    # the outer face yields beyond eta = outer, the inner one, if it does, below inner
+    outer = 2 * np.sqrt((1 - t) / k) - 1
+    inner = -1.0
+    if k * (outer + 1) > 2:
+        outer, inner = 1 / k - t, -1 / k - t
+    a = 1 - k * outer
+    elastic = a * (outer**2 - inner**2) / 2 + k * (outer**3 - inner**3) / 3
+    moment = (1 - outer**2) / 2 + elastic - (inner**2 - 1) / 2
+    return float(1 - 1.5 * moment / k)
 
 
 def sliding_layers_buckling_stress(

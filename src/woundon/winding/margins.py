@@ -9,6 +9,7 @@ r"""Margins of a wound roll against known defects.
     slack        min of T_in, WOT        against a minimum tension
     drum_slip    |F|/(mu P) of each drum of a two-drum winder, at most 1
     gauge_band   max of WOT_b/(h E_t)    strain of the thickest lane, against the yield strain
+    bending      max of T/E_t + h/2r     strain at the outer face, against the yield strain
 
 Of a two-drum winder strength and slack contain the tensions between the nips.  Each margin is
 evaluated over the radius of the finished roll and, except blocking, which takes
@@ -40,8 +41,8 @@ from ..roll.gauge_band import gauge_band_over, lane_strain
 from ..roll.lane_roll import POSITION
 from ..roll.result import RollResult
 from ..roll.stages import Stage, stages_at
-from ..roll.validity import yield_warnings
 from .criteria import (
+    coil_set,
     collapse_pressure,
     sliding_layers_buckling_stress,
     torque_carried,
@@ -66,6 +67,7 @@ TITLES = {
     "strength": "web break",
     "slack": "slack web",
     "gauge_band": "gauge band (baggy lane)",
+    "bending": "yield by bending (coil set)",
     "drum_slip": "slip of a drum",
 }
 SMALL = 0.25  # reserve below which reports give advice
@@ -76,15 +78,17 @@ FIELDS = {
     "strength": "web_strength",
     "slack": "slack_tension",
     "gauge_band": "yield_strain",
+    "bending": "yield_strain",
 }
 HINTS = {
-    "slip": "let the drum carry more of the torque, accelerate more slowly, or wind tighter",
+    "slip": "let a drum carry more of the torque, accelerate more slowly, or wind tighter",
     "compression": "wind tighter at the core and taper less steeply, or use a stiffer core",
     "blocking": "reduce web tension or nip load, or taper them towards the surface",
     "core": "reduce the wound-on tension at the core, or use a stronger core",
     "strength": "reduce web tension or nip load",
     "slack": "increase the web tension",
     "gauge_band": "reduce the wound-on tension, even out the thickness, or oscillate the web",
+    "bending": "use a larger core, a thinner web, or less tension at the core",
     "drum_slip": "let the other drum carry more of the torque, or increase the rider load",
 }
 ALIKE = 1e-3  # relative difference below which stages count as equal: their default error
@@ -97,8 +101,8 @@ class Margin:
     Attributes
     ----------
     name : str
-        "slip", "compression", "blocking", "core", "strength", "slack", "gauge_band" or, of a
-        two-drum winder, "drum_slip".
+        "slip", "compression", "blocking", "core", "strength", "slack", "gauge_band", "bending" or,
+        of a two-drum winder, "drum_slip".
     value : float
         Worst value in the roll; SI, nan if it is unknown.
     limit : float
@@ -189,8 +193,8 @@ class Margins(Presented, tuple[Margin, ...]):
     """All margins of a roll, including those without a limit; indexed by number or name.
 
     The attributes ``slip``, ``compression``, ``blocking``, ``core``, ``strength``, ``slack``,
-    ``gauge_band`` and ``drum_slip`` are the reserves, outputs of a winding: ``"margins.blocking"``
-    in studies.
+    ``gauge_band``, ``bending`` and ``drum_slip`` are the reserves, outputs of a winding:
+    ``"margins.blocking"`` in studies.
 
     >>> import woundon as wo
     >>> problem = wo.WindingProblem.example().replace(radius=0.12, tension_law="friction")
@@ -270,6 +274,13 @@ class Margins(Presented, tuple[Margin, ...]):
     ) -> Annotated[float, share("m_g", "margin against gauge band (baggy lane)")]:
         """Reserve of gauge band (baggy lane), as a share of the limit [1]."""
         return self._reserve("gauge_band")
+
+    @property
+    def bending(
+        self,
+    ) -> Annotated[float, share("m_y", "margin against yield by bending (coil set)")]:
+        """Reserve of yield by bending (coil set), as a share of the limit [1]."""
+        return self._reserve("bending")
 
     @property
     def drum_slip(self) -> Annotated[float, share("m_d", "margin against slip of a drum")]:
@@ -436,6 +447,7 @@ DRUMS = share("F/mu P", "largest winding force of a drum / its friction").named(
     "drum_friction_used"
 )
 BAND = strain("eps_b", "largest strain of the thickest lane (gauge band)").named("band_strain")
+FACE = strain("eps_f", "largest strain at the outer face, with bending").named("face_strain")
 EVEN = "of a web of even thickness"
 RIDGE = length("dR", "height of the ridge over the thickest lane", "um").named("ridge_height")
 # where the torque meets no capacity at all: the margin is infinite
@@ -454,6 +466,8 @@ LEFT_OUT = {
     "across the width, creep",
     "gauge_band": "shear between lanes, by which the neighbours take part of the load, the "
     "curvature of the layers, creep, how long the lane stays at its strain",
+    "bending": "hardening and creep of the web, strain by the pressure of nip and roll, rollers of "
+    "smaller radius upstream",
     "slack": "baggy lanes and tension that is uneven across the width or in time, flutter",
     "drum_slip": "torques at a start or stop, rolling resistance of covers and rider, worn drums",
 }
@@ -529,6 +543,7 @@ def margins(
         _strength(states[-1], roll, limits, torque_data),
         _slack(roll, limits, torque_data),
         _gauge_band(roll, limits),
+        _bending(roll, limits),
         *_drum_slip(result),
     )
     if (lanes := result.lanes) is not None:
@@ -835,8 +850,7 @@ def _drum_slip(result: Any) -> list[Margin]:
 def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
     """Return the margin of the strain of the thickest lane, with a note on its ridge.
 
-    The note contains the warnings about the yield of the web, also by bending on the core; units in
-    it are converted where it is displayed.
+    Units in the note are converted where it is displayed.
     """
     excess, note = roll.problem.gauge_excess, EVEN
     try:
@@ -851,9 +865,29 @@ def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
         ridge = RIDGE.stored_text(ridge_height(roll), ".3g")
         note = f"the lane is {100 * excess:.3g} % thicker, with a ridge of {ridge}"
     missing = NO_LIMIT if limits.yield_strain is None else ""
-    about_yield = yield_warnings(roll.problem, limits.yield_strain)
-    note = "; ".join(filter(None, (note, missing, *about_yield)))
+    note = "; ".join(filter(None, (note, missing)))
     return _margin("gauge_band", worst, limits.yield_strain, BAND, note=note)
+
+
+def _bending(roll: RollResult, limits: Limits) -> Margin:
+    """Return the margin of the strain at the outer face of the web, with a note on its coil set."""
+    r, limit = roll.radius, limits.yield_strain
+    wound = roll.problem.tension_curve.at(r) / roll.problem.stack.tangential
+    strains = wound + roll.bending_strain
+    k = int(np.argmax(strains))
+    worst = _WorstValue(float(strains[k]), float(r[k]), occasion="", r=r, values=strains)
+    if limit is None:
+        note = NO_LIMIT
+    elif wound[k] >= limit:
+        note = "the tension alone exceeds it"
+    elif kept := coil_set(float(wound[k]), float(roll.bending_strain[k]), limit):
+        curl = POSITION.stored_text(float(r[k]) / kept, ".3g")
+        note = f"there the web keeps a curl of {curl} radius"
+        if roll.bending_strain[k] > 2 * limit:
+            note += ", and it yields again when it is straightened"
+    else:
+        note = ""
+    return _margin("bending", worst, limit, FACE, note=note)
 
 
 def ridge_height(roll: RollResult) -> float:
@@ -956,6 +990,11 @@ class WithMargins:
     def band_strain(self) -> Annotated[float, BAND]:
         """Largest strain along the web of the thickest lane [1]; nan if it is unknown."""
         return float(self.margins["gauge_band"].value)
+
+    @property
+    def face_strain(self) -> Annotated[float, FACE]:
+        """Largest strain at the outer face of the web, by tension and bending [1]."""
+        return float(self.margins["bending"].value)
 
     @property
     def ridge_height(self) -> Annotated[float, RIDGE]:

@@ -26,7 +26,8 @@ from ..problems.paths import field_or_none
 from ..problems.schedules import Profile, Steps
 from ..problems.winding import LOADS, WindingProblem
 from ..roll.result import RollResult
-from .bodies import PEAK_COEFFICIENT, NipSample, tension_on_roll
+from ..roll.weight import PEAK_COEFFICIENT
+from .bodies import NipSample, tension_on_roll
 from .curve import MAX_PIECES, TensionCurve, sampling_radii, sharp_kinks
 from .nips import Nips
 
