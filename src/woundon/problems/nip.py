@@ -182,7 +182,7 @@ class NipProblem(ContactProblem):
         **only_in("WindingProblem", "tension_law", "limits"),
         **only_in("WindingProblem", "gauge_excess", "caliper_pressure"),
         **only_in("WindingProblem", "thickness_profile", "oscillation"),
-        **only_in("WindingProblem", "drum_bending", "core_bending"),
+        **only_in("WindingProblem", "drum_bending", "core_bending", "inertia"),
         **only_in("RollProblem", *OF_FINISHED_ROLL),
         **only_in("RollerProblem", "motion"),
     }

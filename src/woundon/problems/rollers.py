@@ -76,7 +76,7 @@ class RollerProblem(ContactProblem):
         **only_in("WindingProblem", "nip_induced_tension", "winder"),
         **only_in("WindingProblem", "density", "gauge_excess", "caliper_pressure"),
         **only_in("WindingProblem", "thickness_profile", "oscillation"),
-        **only_in("WindingProblem", "drum_bending", "core_bending"),
+        **only_in("WindingProblem", "drum_bending", "core_bending", "inertia"),
     }
 
     upper: Annotated[AnyBody, Field(description="the upper roller")]

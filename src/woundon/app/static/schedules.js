@@ -6,7 +6,7 @@ const STEPS = "Steps"; // the description that is steps
 const RAMP = 0.001; // of steps [m], by default
 const HARD_CORE = 0.02; // depth of the first step [m]; of a smaller roll a quarter
 
-const isSchedule = (form) => form === PROFILE;
+export const isSchedule = (form) => form === PROFILE;
 
 /** The fields that may follow a schedule over the radius. */
 export function schedulesOf(store) {
