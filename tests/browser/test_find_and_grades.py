@@ -235,3 +235,44 @@ def test_an_operating_window_reports_its_progress_and_is_cancelled(look):
     page.wait_for_selector(".study-state >> text=Cancelled")
     page.select_option("#window-axis-2", "torque_split")  # a third range
     assert page.locator("#window-torque_split-1").input_value() == "0.5"
+
+
+PROFILE = """schema = 1
+radius = "80 mm"
+tension_law = "friction"
+web_tension = "250 N/m"
+nip_load = "500 N/m"
+roll_friction = 0.19
+drum_friction = 0.2
+density = "680 kg/m^3"
+core = { radius = "50 mm", stiffness = "1 GPa" }
+drum = { kind = "rigid", radius = "250 mm" }
+web = { thickness = "66 um", material = "newsprint" }
+stack = { tangential = "3.38 GPa", poissons_ratio = 0.01, shear = "10 MPa", radial = 40e6 }
+limits = { yield_strain = "0.17 %" }
+thickness_profile = { position = ["0 m", "1 m", "2 m"], thickness = [0.995, 1.005, 0.995] }
+"""
+
+
+@pytest.mark.slow
+def test_the_set_points_of_an_operating_window_are_chosen(look):
+    seen = look()
+    page = seen.page
+    seen.offer("case.toml", PROFILE.encode())
+    page.wait_for_selector("[id='f-tension_law']")
+    page.click("#tab-window")
+    seen.rest()
+    assert page.locator("#window-axis-2 option").count() == 4  # none, and three fields
+    page.select_option("#window-axis-0", "oscillation")
+    page.select_option("#window-axis-1", "thickness_profile.variation")
+    # a tenth of the width of the profile
+    assert page.input_value("#window-oscillation-1") == "200"
+    assert page.input_value("[id='window-thickness_profile.variation-1']") == "2"
+    with page.expect_request("**/api/window") as request:
+        page.click("#window-run")
+    assert request.value.post_data_json["vary"] == {
+        "oscillation": [0, 0.2], "thickness_profile.variation": [0.5, 2],
+    }  # fmt: skip
+    page.wait_for_selector(".study-state >> text=windings", timeout=60_000)
+    page.click("#window-cancel")
+    page.wait_for_selector(".study-state >> text=Cancelled")

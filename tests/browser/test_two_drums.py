@@ -1,4 +1,4 @@
-"""A two-drum winder on the page: chosen in the form, solved, drawn to scale."""
+"""Winders on the page: two drums, drawn to scale, and a centre winder without a nip."""
 
 from __future__ import annotations
 
@@ -42,3 +42,27 @@ def test_a_winding_gets_a_winder_in_the_form(look):
     before = seen.drawn("[data-panel=winder]")
     seen.put("winder.gap", "40")
     seen.redrawn("[data-panel=winder]", before)
+
+
+def test_a_centre_winder_without_a_nip_has_the_torque_of_its_core_drive(look):
+    """Without load the drum can be left out; with width and speed the report has the drives."""
+    seen = look(width=1366, height=900)
+    page = seen.page
+    page.click("#tab-winding")
+    page.wait_for_selector(".schedule-plot")
+    page.select_option(".kind", "winding")
+    page.wait_for_selector("[id='f-tension_law']")
+    page.select_option("[id='f-tension_law']", label="friction")  # no nip is solved
+    page.wait_for_selector(".margins", timeout=60_000)
+    for group in ("drum", "operation", "inertia"):
+        page.evaluate(f"document.querySelector('[data-group={group}]').open = true")
+    for name, value in (("nip_load", "0"), ("width", "2.5"), ("web_speed", "600")):  # m, m/min
+        seen.put(name, value)
+    page.select_option("#f-drum", label="none")
+    seen.rest()
+    problem = make_problem(tomllib.loads(seen.saved("Save the case").decode()))
+    assert (problem.nip_load, problem.drum, problem.width) == (0.0, None, 2.5)
+    result = wo.solve(problem)
+    tension = seen.output("mean_wound_on_tension")
+    assert tension == pytest.approx(result.mean_wound_on_tension, rel=1e-6)
+    assert "largest torque of the core drive" in page.text_content("body")

@@ -18,6 +18,7 @@ import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_files import to_toml
 from woundon.report.study_panels import window_panels
+from woundon.studies.window import BETWEEN
 from woundon.studies.window_cases import window_model, with_value
 from woundon.studies.window_map import (
     MarginMap,
@@ -75,7 +76,14 @@ def test_a_quadratic_is_fitted_without_some_points():
 
 
 def test_points_are_nested():
-    assert set(lobatto(3)) <= set(lobatto(5))
+    assert set(lobatto(3)) <= set(lobatto(5)) <= set(lobatto(9))
+
+
+@pytest.mark.parametrize("count", list(BETWEEN))
+def test_checks_are_halfway_between_the_points(count):
+    """Closed form: the Chebyshev polynomial T_n, n intervals, is 1 or -1 at them, 0 halfway."""
+    assert np.abs(np.cos((count - 1) * np.arccos(lobatto(count)))) == pytest.approx(1.0)
+    assert np.cos((count - 1) * np.arccos(BETWEEN[count])) == pytest.approx(0.0, abs=1e-6)
 
 
 def test_reserves_are_transformed_and_back():

@@ -252,6 +252,25 @@ def test_the_loads_of_a_bent_drum(bent):
     assert lanes.drum_deflection.values[-1] == pytest.approx(means, rel=1e-4)
 
 
+def test_the_error_of_the_number_of_lanes():
+    """Honesty: ten times as many lanes are within the estimates: edges and middle are extremes.
+
+    The extreme thicknesses are elsewhere, and the drum touches all lanes.
+    """
+    profile = wo.ThicknessProfile(
+        position=[0, 0.6, 1.2, 1.8, W], thickness=[1, 1.0002, 1, 0.9998, 1]
+    )
+    drum = DRUM.replace(flexural_rigidity=1e7)
+    problem = WINDING.replace(thickness_profile=profile, drum_bending=drum)
+    few, many = (wo.solve(problem, **COARSE | {"lanes": count}) for count in (6, 60))
+    for name in ("pressure", "tension", "least_tension", "strain", "ridge_height"):
+        value, exact = (getattr(each.worst_lane, name) for each in (few, many))
+        assert abs(value - exact) <= few.error(f"worst_lane.{name}"), name
+    # the tension of the edge is that of its lane and half a lane of its slope
+    assert many.lanes.nip_load.values[-1].min() > 500
+    assert many.worst_lane.tension > 1.02 * few.worst_lane.tension
+
+
 def test_a_crown_evens_the_load(bent):
     """The parabola of the deflection in the middle leaves a part of its fourth order."""
     load = 2000.0
@@ -282,6 +301,24 @@ def test_a_winding_on_a_stiff_drum_is_that_on_a_straight_one(changes):
     for name in ("pressure", "nip_load", "wound_on_tension"):
         scale = float(straight[name].max())
         assert stiff[name].values == pytest.approx(straight[name].values, abs=1e-9 * scale)
+
+
+def test_a_crowned_front_drum_presses_the_middle():
+    """Conservation, and each drum has its own crown and deflection."""
+    winder = TWO_DRUMS["winder"].replace(front_bending=DRUM.replace(crown=4e-4))
+    problem = WINDING.replace(**{**TWO_DRUMS, "winder": winder}, density=680.0)
+    lanes = wo.solve(problem, **COARSE | {"lanes": 12}).lanes
+    share, front = lanes.share.values, lanes.front_load.values
+    loads = problem.drum_loads(lanes.radius.values)
+    assert front @ share == pytest.approx(loads.front_load, rel=1e-12)
+    assert front[-1, 6] > 1.3 * front[-1, 0]
+    # the rear drum is straight: its load follows the surface, which is lower where the web is tight
+    assert np.ptp(lanes.nip_load.values[-1]) < 0.3 * np.ptp(front[-1])
+    assert "drum_deflection" not in lanes
+    # about that under an even load, from the bearings, since the load differs by a third
+    across = BeamsAcross([Beam(EI, 0.2)], np.full(12, W / 12), np.zeros(0))
+    even = across.deflection(np.full((12, 1, 1), loads.front_load[-1]))[:, 0, 0]
+    assert lanes.front_deflection.values[-1] == pytest.approx(even, rel=0.3)
 
 
 def test_report_figure_and_file_of_a_bent_drum(bent, tmp_path):

@@ -275,7 +275,7 @@ def test_units_are_of_names_of_the_case(tmp_path, capsys: Capture):
     ):
         assert cli.main([*command, "--unit", "nip_load=kN/m"]) == 2  # a field of nips
         message = capsys.readouterr().err
-        assert message.startswith("error: nip_load: no field or output; known: caliper_pressure, ")
+        assert message.startswith("error: nip_load: no field or output; known: bonded_")
 
 
 # ---- written files ------------------------------------------------------------------------------

@@ -180,6 +180,7 @@ EXAMPLES = [
     nip(air=wo.Air(roughness=3e-6), web_speed=10.0),
     rollers().replace(upper=COVER, speed=10.0),
     wo.RollProblem.example(), WINDING, WINDING.replace(drum=COVER, web_speed=10.0),
+    WINDING.replace(nip_load=0.0),
     WINDING.replace(tension_law="fixed", nip_induced_tension=50.0),
     WINDING.replace(**{"limits.acceleration": 1.0}), WINDER,
     WINDING.replace(winder=WINDER, drum=wo.Rigid(radius=0.3), nip_load=None, torque_split=0.5),

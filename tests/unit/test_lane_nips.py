@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from woundon.winding.lane_nips import LOADS, NipAtRadius
+import woundon as wo
+from woundon.winding.lane_nips import LOADS, NipAtRadius, _completed
 
 POWER = 1.2  # P = N (delta/delta_N)^p
 NIP = NipAtRadius(
@@ -49,3 +50,16 @@ def test_the_slopes_between_and_beyond_uneven_samples():
 def test_the_approach_is_that_of_the_load():
     assert not hasattr(NIP, "approach_at")
     assert NIP.load_at(np.array([NIP.approach]))[0] == pytest.approx([NIP.load], rel=1e-12)
+
+
+def test_loads_without_a_steady_state_are_on_the_line_through_the_two_nearest_others():
+    """Closed form: a straight line is continued exactly."""
+    x = np.array([0.1, 0.5, 1.0, 2.0])
+    for unknown in ([3], [0], [0, 1], [0, 3], [2, 3]):
+        values = 3.0 * x - 1.0
+        values[unknown] = np.nan
+        assert _completed(x, values) == pytest.approx(3.0 * x - 1.0, rel=1e-12)
+    curved = np.array([np.nan, 0.0, 1.0, 4.0])
+    assert _completed(x, curved)[0] == pytest.approx(-0.8)
+    with pytest.raises(wo.NotConverged, match="no steady state under other loads"):
+        _completed(x, np.array([np.nan, np.nan, 0.0, np.nan]))

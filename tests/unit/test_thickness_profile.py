@@ -421,7 +421,7 @@ OSCILLATIONS, SIZES = (0.0, 0.3), (0.25, 1.5)
 def wound() -> wo.WindingProblem:
     """Return a winding whose wound-on tension is T_in + mu N, so that no nip is solved."""
     return wo.WindingProblem.example().replace(
-        radius=0.08, tension_law="friction", web_tension=250.0, nip_load=500.0,
+        radius=0.07, tension_law="friction", web_tension=250.0, nip_load=500.0,
         thickness_profile=BAND, limits=wo.Limits(yield_strain=LIMIT),
     )  # fmt: skip
 

@@ -165,13 +165,14 @@ def test_a_case_file_gives_the_winder_back(changes: dict[str, Any]) -> None:
 
 
 def test_the_cases_of_the_guides_are_valid() -> None:
-    """Documentation: the case of the how-to, with its two rider loads, and the theory's example."""
+    """Documentation: case of the how-to with its rider loads and drives, example of the theory."""
     guide = (ROOT / "docs/howto/two_drum_winder.md").read_text(encoding="utf-8")
-    case, rider = map(tomllib.loads, re.findall(r"```toml\n(.*?)```", guide, re.DOTALL))
+    case, rider, driven = map(tomllib.loads, re.findall(r"```toml\n(.*?)```", guide, re.DOTALL))
     problem = make_problem(case)
     assert problem.drum_loads(0.6).rear_load > 3000
     relieved = make_problem(case | {"winder": case["winder"] | rider["winder"]})
     assert relieved.drum_loads(0.3).rider_load == pytest.approx(2000.0, rel=1e-12)
+    assert make_problem(case | driven).inertia.front_drum == 50.0
     theory = (ROOT / "docs/theory/winding.md").read_text(encoding="utf-8")
     [code] = [
         text for text in re.findall(r"```python\n(.*?)```", theory, re.DOTALL) if "TwoDrums" in text
@@ -190,7 +191,7 @@ REJECTED: list[tuple[dict[str, Any], str]] = [
     ({"torque_split": None}, "torque_split: missing; must be given with a winder"),
     ({"torque_split": 12.0}, "torque_split: 12 is out of range; must be >= -10 and <= 10"),
     ({"density": None}, "density: missing; must be given [kg/m^3] with a winder"),
-    ({"winder": None}, "nip_load: missing; must be given [N/m], or a winder"),
+    ({"winder": None}, "nip_load: missing; must be given [N/m], 0 without a nip, or a winder"),
     ({"winder.gap": 0.2}, "winder.gap: 0.2 is out of range; must be < 2 core.radius = 0.1 [m]"),
     ({"winder.gap": -1.0}, "winder.gap: -1 is out of range; must be >= 0 and <= 10 [m]"),
     ({"radius": 4.0}, "radius: 4 is out of range; must be < 2.974 [m], or the roll rolls off the"),

@@ -41,7 +41,7 @@ def solve(problem, lanes, nips=None, tolerance=2e-3):
     """Return the lanes of any shares: profiles have lanes of one width."""
     roll = solve_thin_layers(problem, 1e-3).wound_with(problem)
     none = Lanes(*(np.zeros(0) for _ in range(4)))
-    profile = SimpleNamespace(lanes=lambda count, oscillation: lanes, extremes=lambda _: none)
+    profile = SimpleNamespace(position=[0, 1], lanes=lambda *_: lanes, extremes=lambda *_: none)
     case = SimpleNamespace(thickness_profile=profile, oscillation=0.0)
     return solve_lanes(roll.result, roll.build_up, case, count=1, tolerance=tolerance, nips=nips)
 

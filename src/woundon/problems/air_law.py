@@ -48,7 +48,7 @@ class AirBetween(RadialLaw):
     film: Annotated[
         Number,
         length("h", "air film between two layers", "um", (0.0, 10e-6)),
-        Field(ge=0, le=1e-3),
+        Field(ge=0, le=0.1),
     ]
     web_thickness: Annotated[
         Number, length("t", "web thickness", "um", (1e-5, 5e-4)), Field(gt=0, le=0.1)

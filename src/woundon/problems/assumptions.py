@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from .bending import BENDING
-from .paths import field_or_none, field_quantity
+from .bending import bends
+from .paths import field_quantity
 
 __all__ = ["of_nip", "of_roll", "of_rollers", "of_winding"]
 
@@ -131,6 +131,11 @@ LAWS = {
     "friction": "The web slips throughout the nip: WOT = T_in + F + mu P.",
     "fixed": "The nip-induced tension is given.",
 }
+WITHOUT_NIP = "The web is wound without a nip: WOT = T_in."
+FOIL_FILM = (
+    "The web runs onto the roll as a foil bearing: h = 0.643 R (12 eta V/(T - m V^2))^(2/3), "
+    "less what escapes through the web in one revolution."
+)
 FULL_SLIP_ON_DRUMS = (
     "The web slips throughout all nips: WOT = T_in + F + mu P behind the rear drum, and behind "
     "each next nip WOT exp(-mu theta) + F + mu P if that is larger, theta the arc before the nip."
@@ -141,7 +146,7 @@ def of_winding(problem: Any) -> tuple[str, ...]:
     """Return the assumptions of a winding."""
     law = problem.tension_law
     tensions = problem.at("web_tension", problem.radii(2))  # at core, surface and all kinks
-    if law == "nip":
+    if problem.solves_nips:
         drum = "The drum is rigid." if problem.drum.rigid else ""
         assumptions = (
             PLANE,
@@ -154,6 +159,8 @@ def of_winding(problem: Any) -> tuple[str, ...]:
         text = LAWS.get(law, "") if isinstance(law, str) else ""
         if law == "friction" and problem.winder is not None:
             text = FULL_SLIP_ON_DRUMS
+        if law in ("nip", "friction") and not problem.has_nip:
+            text = WITHOUT_NIP
         assumptions = (text or "The wound-on tension is given over the radius.",)
     return (
         *assumptions,
@@ -161,8 +168,9 @@ def of_winding(problem: Any) -> tuple[str, ...]:
         "The roll is axisymmetric, its layers elastic, and without creep.",
         UNLOADED_THICKNESS if problem.caliper_pressure is None else CALIPER_THICKNESS,
         _across(problem, UNIFORM),
-        *([BEAMS] if any(field_or_none(problem, name) is not None for name in BENDING) else []),
+        *([BEAMS] if bends(problem) else []),
         *([AIR] if problem.air is not None else []),
+        *([FOIL_FILM] if problem.air is not None and not problem.has_nip else []),
         *_centrifugal(problem, low=float(tensions.min()), high=float(tensions.max())),
         *_rotation(problem),
     )

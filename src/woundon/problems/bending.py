@@ -23,7 +23,7 @@ from .messages import quote
 from .paths import field_or_none
 from .thickness_profile import means_between
 
-__all__ = ["BENDING", "Bending", "DrumBending", "faults_of_bending"]
+__all__ = ["BENDING", "Bending", "DrumBending", "bends", "faults_of_bending"]
 
 Array = np.ndarray
 # Fields of a winding.
@@ -190,6 +190,11 @@ class DrumBending(Bending):
         return np.asarray(self.crown * np.diff(integral) / np.diff(across))
 
 
+def bends(problem: Any) -> bool:
+    """Return whether a drum or the core of a problem is a beam."""
+    return any(field_or_none(problem, name) is not None for name in BENDING)
+
+
 def faults_of_bending(problem: Any) -> Iterator[tuple[str, str]]:
     """Yield (field, message) for beams that do not fit to the rest of a winding."""
     profile, winder = problem.thickness_profile, problem.winder
@@ -203,6 +208,8 @@ def faults_of_bending(problem: Any) -> Iterator[tuple[str, str]]:
             continue
         if problem.tension_law != "nip":
             yield name, "needs tension_law = 'nip', which computes the stiffness of the nip"
+        if not problem.has_nip:
+            yield name, "is given with nip_load = 0; must be left out without a nip"
         if name == "core_bending" and winder is not None:
             text = "is given together with winder; must be left out"
             yield name, f"{text}: the roll lies on the drums"

@@ -36,6 +36,7 @@ __all__ = [
     "DrumFriction",
     "DrumWrap",
     "NipProblem",
+    "OptionalDrumFriction",
     "RollFriction",
     "RollWrap",
     "Width",
@@ -58,6 +59,9 @@ RollFriction = Annotated[
 ]
 DrumFriction = Annotated[
     Number, pure("mu-", "friction coefficient of web and drum", (0.1, 0.6)), _FRICTION
+]
+OptionalDrumFriction = Annotated[
+    OptionalNumber, pure("mu-", "friction coefficient of web and drum", (0.1, 0.6)), _FRICTION
 ]
 _ROLL_WRAP = angle("theta+", "wrap angle on the roll downstream of the nip", (0.0, pi))
 RollWrap = Annotated[Number, _ROLL_WRAP, _HALF_TURN]

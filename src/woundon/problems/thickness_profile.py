@@ -215,11 +215,18 @@ class ThicknessProfile(Description):
         middle, shares = (ends[1:] + ends[:-1]) / 2, np.full(count, 1 / count)
         return Lanes(middle, shares, excess - np.mean(excess), slack)
 
-    def extremes(self, oscillation: float | str = 0.0) -> Lanes:
+    def extremes(self, oscillation: float | str = 0.0, further: Iterable[float] = ()) -> Lanes:
         """Return lanes without a share of the width at the extreme places of the profile.
 
         They are the thickest and the thinnest place, and those of the largest and the smallest
-        slack.  ``oscillation`` is the amplitude [m].
+        slack.
+
+        Parameters
+        ----------
+        oscillation : float or str
+            Amplitude [m].
+        further : iterable of float
+            Positions of further lanes [m].
         """
         oscillation = _amplitude(oscillation)
         places = np.asarray(self.position)
@@ -230,7 +237,8 @@ class ThicknessProfile(Description):
             d = self.variation * (np.asarray(self.thickness) / self.mean - 1)
             b = np.zeros(places.size) if self.slack is None else np.asarray(self.slack)
         chosen = [np.argmax(d), np.argmin(d), np.argmax(b), np.argmin(b)][: 2 if not b.any() else 4]
-        return Lanes(places[chosen], np.zeros(len(chosen)), d[chosen], b[chosen])
+        y = np.append(places[chosen], list(further))
+        return Lanes(y, np.zeros(y.size), np.interp(y, places, d), np.interp(y, places, b))
 
 
 def _amplitude(oscillation: float | str) -> float:

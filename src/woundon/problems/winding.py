@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import InitVar
-from math import pi
+from math import inf, pi
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -15,7 +15,7 @@ from ..quantities import length, line_load, pure, tension, velocity
 from .air import Air, with_film
 from .assumptions import of_winding
 from .bending import Bending, DrumBending, faults_of_bending
-from .bodies import AnyBody, Body, Rigid
+from .bodies import Body, OptionalBody, Rigid
 from .consistency import different_moduli
 from .contact_problem import unused_speed
 from .fields import Nested, Number, OptionalNested, OptionalNumber, default
@@ -26,9 +26,9 @@ from .messages import not_one_of, quote
 from .next_nip import NextNip
 from .nip import (
     WRAP_TABLE,
-    DrumFriction,
     DrumWrap,
     NipProblem,
+    OptionalDrumFriction,
     RollFriction,
     RollWrap,
     Width,
@@ -36,10 +36,10 @@ from .nip import (
     friction_capacity,
 )
 from .paths import field_or_none, field_quantity
-from .permitted import Conditional, in_brackets
+from .permitted import Conditional, in_brackets, is_within
 from .problem import OF_FINISHED_ROLL, Problem, only_in
 from .radial_laws import Pfeiffer
-from .roll import Core, GaugeExcess, RollProblem
+from .roll import FEWEST_LAYERS, Core, GaugeExcess, RollProblem
 from .schedules import (
     AnySchedule,
     Curve,
@@ -130,15 +130,16 @@ class WindingProblem(Problem):
     stack : Stack
         The web's layers in the roll.
     core : Core
-    drum : Rigid, HalfPlane, Cylinder or another Body
-        On which the web arrives; of a two-drum winder the rear drum.
+    drum : Rigid, HalfPlane, Cylinder or another Body, optional
+        On which the web arrives; of a two-drum winder the rear drum.  Without it ``nip_load`` is 0.
     radius : float
         R of the finished roll [m].
     roll_friction, drum_friction, roll_wrap, drum_wrap, wrap_friction
         As of :class:`~woundon.NipProblem`.
     web_tension, nip_load, winding_force : float, Taper, Steps or Profile
-        T_in, P and F over the radius [N/m]; F = 0: centre winding.  With a ``winder`` P and F
-        follow from it and the torque split.
+        T_in, P and F over the radius [N/m]; F = 0: centre winding.  P = 0: winding without a nip,
+        WOT = T_in, with air the film of a foil bearing.  With a ``winder`` P and F follow from it
+        and the torque split.
     torque_split : float, Taper, Steps or Profile, optional
         Fraction of the web tension carried by the drum, F = -torque_split T_in, instead of F: 0 is
         centre winding, 1 surface winding.  Of a two-drum winder, that of the rear drum.
@@ -185,8 +186,8 @@ class WindingProblem(Problem):
         Of the web [m]. With it, loads and tensions may be entered as totals, "3.6 kN"; they are
         held per metre of width.  With width and ``web_speed`` the result contains torque and power
         of the drives, see :class:`~woundon.winding.drives.Drive`.
-    inertia : Inertia
-        Moments of inertia of core and drums, for the torque of their drives.
+    inertia : Inertia, optional
+        Moments of inertia of core and drums, for the torque of their drives; by default 0.
 
     Raises
     ------
@@ -230,14 +231,20 @@ class WindingProblem(Problem):
     web: Annotated[Nested[Web], Field(description="the paper or film")] = Field(...)
     stack: AnyStack = Field(...)
     core: Nested[Core]
-    drum: Annotated[AnyBody, Field(description="the winding drum")]
+    drum: Annotated[
+        OptionalBody,
+        Field(description="the winding drum"),
+        Conditional("required unless nip_load = 0"),
+    ] = default(None)
     radius: Annotated[
         Number,
         length("R", "radius of the finished roll", typical=(0.1, 0.75)),
         Field(gt=0, le=100),
     ] = Field(...)
     roll_friction: RollFriction = Field(...)
-    drum_friction: DrumFriction = Field(...)
+    drum_friction: Annotated[OptionalDrumFriction, Conditional("required unless nip_load = 0")] = (
+        default(None)
+    )
     web_tension: Annotated[
         WindingSchedule, tension("T_in", "web tension upstream of the nip", (50.0, 1000.0))
     ]
@@ -306,8 +313,8 @@ class WindingProblem(Problem):
     air: Annotated[OptionalNested[Air], Field(description="entrained air")] = default(None)
     width: Width = default(None)
     inertia: Annotated[
-        Nested[Inertia], Field(description="moments of inertia of core and drums")
-    ] = default(Inertia())
+        OptionalNested[Inertia], Field(description="moments of inertia of core and drums")
+    ] = default(None)
 
     @model_validator(mode="after")
     def _check_winding(self) -> Self:
@@ -328,7 +335,7 @@ class WindingProblem(Problem):
             raise InvalidProblem(faults)
         if self.winder is not None:
             self._check_drum_loads(self.winder)
-        if self.tension_law in ("nip", "friction"):
+        if self.tension_law in ("nip", "friction") and self.has_nip:
             self._check_steady_state()
         return self
 
@@ -344,7 +351,12 @@ class WindingProblem(Problem):
                 else f"is given together with tension_law = {law}; must be left out",
             )
         if self.nip_load is None and self.winder is None:
-            yield "nip_load", "missing; must be given [N/m], or a winder"
+            yield "nip_load", "missing; must be given [N/m], 0 without a nip, or a winder"
+        for name in ("drum", "drum_friction"):
+            if getattr(self, name) is None and self.has_nip and self.nip_load is not None:
+                yield name, "missing; must be given, unless nip_load = 0: winding without a nip"
+        if not self.has_nip:
+            yield from self._forces_without_nip()
         if self.torque_split is not None and self.winding_force != 0.0:
             yield ("torque_split", "is given together with winding_force; must be one of the two")
         if self.roll_body == "linear" and not isinstance(self.web.material, Material):
@@ -367,8 +379,19 @@ class WindingProblem(Problem):
         if self.air is not None and self.tension_law != "nip":
             yield "air", "needs tension_law = 'nip', which computes the entrained air"
 
+    def _forces_without_nip(self) -> Iterator[tuple[str, str]]:
+        """Yield (field, message) for the force of a drum that does not touch the roll."""
+        for name in ("winding_force", "torque_split"):
+            value = getattr(self, name)
+            if value is not None and value != 0.0:
+                text = f"{quote(value)} is given with nip_load = 0; must be 0 or left out"
+                yield name, f"{text}: without a nip no drum drives the roll"
+
     def _contradictions_of_winder(self, winder: TwoDrums) -> Iterator[tuple[str, str]]:
         """Yield (field, message) for fields that do not fit to a two-drum winder."""
+        for name in ("drum", "drum_friction"):
+            if getattr(self, name) is None:
+                yield name, "missing; must be given with a winder, of its rear drum"
         if self.nip_load is not None:
             text = "is given together with winder; must be left out"
             yield "nip_load", f"{text}: it follows from the weight of the roll and the rider load"
@@ -382,11 +405,30 @@ class WindingProblem(Problem):
             yield "density", "missing; must be given [kg/m^3] with a winder, for the roll's weight"
         if self.tension_law == "nip" and self.roll_wrap == 0:
             yield "roll_wrap", "0 is out of range; must be > 0 and <= 3.14159 [rad] with a winder"
-        yield from winder.geometry_faults(self.drum.radius, *self.ends)
+        if self.drum is not None:
+            yield from winder.geometry_faults(self.drum.radius, *self.ends)
+
+    @property
+    def has_nip(self) -> bool:
+        """True unless the roll is wound without a nip, ``nip_load`` = 0."""
+        return self.winder is not None or self.nip_load != 0.0
+
+    @property
+    def solves_nips(self) -> bool:
+        """True if the wound-on tension is that of solved nips."""
+        return self.tension_law == "nip" and self.has_nip
+
+    @property
+    def drum_radius(self) -> float:
+        """Radius of the winding drum, of a two-drum winder of the rear drum [m]."""
+        assert self.drum is not None  # required with a nip
+        return self.drum.radius
 
     @property
     def drums(self) -> dict[str, Body]:
-        """The winding drum and, of a two-drum winder, front drum and rider, by dotted name."""
+        """The drums of the nips by dotted name: winding drum; front drum and rider of a winder."""
+        if not self.has_nip or self.drum is None:
+            return {}
         bodies = {"drum": self.drum}
         if self.winder is not None:
             bodies["winder.front_drum"] = self.winder.front_drum
@@ -421,6 +463,8 @@ class WindingProblem(Problem):
         has_effect = self._speed_has_effect or self.width is not None  # powers of the drives
         if self.web_speed is not None and not has_effect:
             texts.append(unused_speed("web_speed", self.web_speed))
+        if self.drum is not None and not self.has_nip:
+            texts.append("drum is not used, as nip_load = 0")
         return tuple(texts)
 
     def _faults_of(self, name: str) -> Iterator[tuple[str, str]]:
@@ -435,6 +479,10 @@ class WindingProblem(Problem):
         quantity = field_quantity(self, name)
         unit = "" if quantity is None else in_brackets(quantity.unit)
         must = f"must be >= {low:g} and <= {high:g}{unit}"
+        if name == "nip_load" and not isinstance(schedule, Profile | Taper | Steps):
+            if schedule == 0.0:  # without a nip
+                return
+            must = must.replace("must be", "must be 0, or")
         wrong = [
             (f"{name}{part}", f"{quote(value)} is out of range; {must}")
             for part, value in values_of(schedule).items()
@@ -454,9 +502,7 @@ class WindingProblem(Problem):
         """Reject a winding force that the friction of nip and drum wrap cannot transmit."""
         r = self.radii(CHECKED_RADII)
         P, T, F = (self.at(name, r) for name in ("nip_load", "web_tension", "winding_force"))
-        hoop_tension = T - self.centrifugal_tension
-        capacity = friction_capacity(P, hoop_tension, self.drum_friction, self.drum_wrap)
-        low, high = map(np.asarray, capacity)
+        low, high = map(np.asarray, self._friction_capacity(P, T))
         slides = ~((low < F) & (high > F))
         if slides.any():
             k = int(np.argmax(slides))
@@ -513,17 +559,29 @@ class WindingProblem(Problem):
                 "otherwise the front drum slips",
             )
 
+    def _friction_capacity(self, P: Array, T: Array) -> tuple[float | Array, float | Array]:
+        """Return the limits of the winding force under P and T_in, (k,) arrays [N/m]."""
+        assert self.drum_friction is not None  # required with a nip
+        hoop_tension = T - self.centrifugal_tension
+        return friction_capacity(P, hoop_tension, self.drum_friction, self.drum_wrap)
+
     @property
     def front_friction(self) -> float:
         """mu- of the front drum of a two-drum winder."""
         friction = None if self.winder is None else self.winder.front_friction
-        return self.drum_friction if friction is None else friction
+        return self._or_drum_friction(friction)
 
     @property
     def rider_friction(self) -> float:
         """mu- of the rider roll of a two-drum winder."""
         friction = None if self.winder is None else self.winder.rider_friction
-        return self.drum_friction if friction is None else friction
+        return self._or_drum_friction(friction)
+
+    def _or_drum_friction(self, friction: float | None) -> float:
+        """Return a coefficient of friction, by default that of the winding drum."""
+        chosen = self.drum_friction if friction is None else friction
+        assert chosen is not None  # required with a nip
+        return chosen
 
     # ---- schedules ------------------------------------------------------------------------------
 
@@ -572,7 +630,7 @@ class WindingProblem(Problem):
         assert self.density is not None  # required with a winder
         return balanced_loads(
             r,
-            (self.drum.radius, self.winder.front_drum.radius),
+            (self.drum_radius, self.winder.front_drum.radius),
             self.winder.gap,
             roll_weight(r, self.core.radius, self.density, self.winder.core_mass),
             self.at("winder.rider_load", r),
@@ -599,12 +657,14 @@ class WindingProblem(Problem):
     def friction_used(self, r: ArrayLike) -> dict[str, Array]:
         """Return |F| of each drum over its friction capacity at radii [m], by dotted name [1].
 
-        The capacity is that of the nip, and of the drum wrap.  A rider idles.
+        The capacity is that of the nip, and of the drum wrap.  A rider idles.  Without a nip there
+        is none.
         """
+        if not self.has_nip:
+            return {}
         r = np.asarray(r, dtype=float)
         P, T, F = (self.at(name, r) for name in ("nip_load", "web_tension", "winding_force"))
-        hoop_tension = T - self.centrifugal_tension
-        low, high = friction_capacity(P, hoop_tension, self.drum_friction, self.drum_wrap)
+        low, high = self._friction_capacity(P, T)
         used = {"drum": F / np.where(F < 0, low, high)}
         if self.winder is not None:
             loads = self.drum_loads(r)
@@ -693,12 +753,19 @@ class WindingProblem(Problem):
             web_speed=self.web_speed,
             gauge_excess=self.gauge_excess,
         )
-        return roll if self.air is None else with_film(roll, film, self.air)
+        if self.air is None:
+            return roll
+        smallest = self.core.radius + FEWEST_LAYERS * (self.web.thickness + film)
+        if not is_within(self.radius, smallest, inf):
+            text = f"{quote(self.radius)} is out of range; must be >= {smallest:.6g} [m]"
+            layers = f"{FEWEST_LAYERS} layers with the entrained air between them"
+            raise InvalidProblem.at("radius", f"{text}: {layers}")
+        return with_film(roll, film, self.air)
 
     @property
     def unused(self) -> tuple[str, ...]:
         """See :attr:`.Problem.unused`."""
-        solves_nips = self.tension_law == "nip"
+        solves_nips = self.solves_nips
         hardens = solves_nips and self.roll_body == "direct"
         return (
             "web.material.shear_exponent",

@@ -28,7 +28,7 @@ def winder_panel(result: WindingResult) -> Panel:
     """Return the panel of a two-drum winder with the finished roll, and the core dashed."""
     problem, winder = result.problem, result.problem.winder
     assert winder is not None  # only windings with one have this panel
-    rear, front = problem.drum.radius, winder.front_drum.radius
+    rear, front = problem.drum_radius, winder.front_drum.radius
     core, radius = problem.ends
     first, last = (_centre(problem, r) for r in (core, radius))
     curves = [
@@ -96,12 +96,12 @@ def _circle(
 
 def _apart(problem: WindingProblem, winder: TwoDrums) -> float:
     """Return the distance of the centres of the drums [m]."""
-    return problem.drum.radius + winder.front_drum.radius + winder.gap
+    return problem.drum_radius + winder.front_drum.radius + winder.gap
 
 
 def _centre(problem: WindingProblem, radius: float) -> tuple[float, float]:
     """Return the centre of the roll with a radius, relative to that of the rear drum [m]."""
-    to_rear, angle = radius + problem.drum.radius, float(problem.drum_loads(radius).rear_angle)
+    to_rear, angle = radius + problem.drum_radius, float(problem.drum_loads(radius).rear_angle)
     return to_rear * np.sin(angle), to_rear * np.cos(angle)
 
 
@@ -111,7 +111,7 @@ def _web_path(problem: WindingProblem, centre: tuple[float, float]) -> tuple[Arr
     The rear drum turns clockwise about the origin, the finished roll counterclockwise about its
     ``centre``.
     """
-    drum, roll = problem.drum.radius, problem.radius
+    drum, roll = problem.drum_radius, problem.radius
     nip = np.pi / 2 - float(problem.drum_loads(roll).rear_angle)  # direction of the roll's centre
     start = nip + problem.drum_wrap  # where the web reaches the drum
     on_drum = np.linspace(start, nip, POINTS)

@@ -75,6 +75,8 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
         panels["winder"] = PanelMaker(winder_panel)
     if result.front is not None:
         panels["between"] = PanelMaker(between_panel)
+    if not result.problem.has_nip:
+        del panels["loads"]
     if "compression" not in of_roll:
         del panels["compression"]
     return panels
@@ -113,6 +115,8 @@ def tension(result: WindingResult) -> Panel:
             in_legend=False,
         ),
     ]
+    if not result.problem.has_nip:  # the wound-on tension is the web tension
+        curves = curves[:1]
     y = Axis("Tension", quantity_of(result, "wound_on_tension"), from_zero=True)
     return over_radius(r, "tension", "Tension over the radius", y, curves, height=3.0)
 

@@ -98,7 +98,9 @@ def winding_report(result: WindingResult) -> list[Part]:
         text = "Wound-on tension of slip in all nips."
     if law == "table":
         text = "Wound-on tension as prescribed over the radius."
-    means = ["mean_wound_on_tension", "mean_nip_induced_tension"]
+    if law in ("nip", "friction") and not problem.has_nip:
+        text = "The web is wound without a nip: the wound-on tension is the web tension."
+    means = ["mean_wound_on_tension", *(["mean_nip_induced_tension"] if problem.has_nip else [])]
     means += [f"mean_{drum}_added_tension" for drum in ("front", "rider") if getattr(result, drum)]
     errors = ["interpolation_error", "core_interpolation_error"] if nips else []
     mass = ["mass"] if problem.density is not None else []
@@ -118,7 +120,7 @@ def winding_report(result: WindingResult) -> list[Part]:
         *winder_parts(result),
         *drive_parts(result),
         Section("Tension", tuple(output_row(result, name) for name in means + errors), text),
-        winding_trade_rule(result),
+        *([winding_trade_rule(result)] if problem.has_nip else []),
         Section(
             "Wound roll",
             rows_of(result, ROLL + mass + air + ridge, leave=LEFT_OUT),
@@ -133,8 +135,8 @@ def _schedules(result: WindingResult) -> Iterator[Row]:
     """Yield the set points: a number, or the values at core and surface."""
     problem = result.problem
     for name in SCHEDULES:
-        # the winding force follows from the torque split
-        if name == "winding_force" and problem.torque_split is not None:
+        # the winding force follows from the torque split; without a nip there is none
+        if name == "winding_force" and (problem.torque_split is not None or not problem.has_nip):
             continue
         if field_or_none(problem, name) is not None:
             yield from schedule_rows(problem, name, problem.at(name, problem.ends))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
+from ..problems.bending import bends
 from ..problems.thickness_profile import Lanes
 from ..quantities import Quantity, length, line_load, on_request, share, strain, stress
 from .build_up import BuildUp, NotWoundError
@@ -341,10 +342,10 @@ def solve_lanes(
     """Solve for the lanes of a roll, and estimate the errors of their worst values.
 
     A lane has the mean thickness of its part of the width.  Further lanes without a share of the
-    width, which do not affect the others, have the extreme thicknesses of the profile: the
-    difference of their worst values from those of the lanes is the error of the number of lanes.
-    The stages add their tolerance, or their largest error where that exceeds it, and the mean roll
-    its own.
+    width, which do not affect the others, have the extreme thicknesses of the profile, and lie at
+    the edges and in the middle of the web if a drum bends: the difference of their worst values
+    from those of the lanes is the error of the number of lanes.  The stages add their tolerance, or
+    their largest error where that exceeds it, and the mean roll its own.
 
     Parameters
     ----------
@@ -367,7 +368,11 @@ def solve_lanes(
         of the law of the stack.
     """
     profile, oscillation = problem.thickness_profile, problem.oscillation
-    lanes, extremes = profile.lanes(count, oscillation), profile.extremes(oscillation)
+    lanes = profile.lanes(count, oscillation)
+    # a bent drum has its extreme loads at the edges and in the middle
+    first, last = profile.position[0], profile.position[-1]
+    bent = (first, (first + last) / 2, last) if bends(problem) else ()
+    extremes = profile.extremes(oscillation, bent)
     together = Lanes(*(np.concatenate(pair) for pair in zip(lanes, extremes, strict=True)))
     solved = _solve(result, build_up, together, nips, tolerance)
     roll = solved.of_lanes(lanes)

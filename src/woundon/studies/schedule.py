@@ -256,7 +256,8 @@ def _usual(problem: Problem) -> dict[str, tuple[float, float]]:
     ranges: dict[str, tuple[float, float]] = {}
     for name, (low, high) in (USUAL | USUAL_SHARES).items():
         value = field_or_none(problem, name)
-        if isinstance(value, float):
+        is_used = name not in problem.unused and not (name in USUAL_SHARES and value == 0.0)
+        if isinstance(value, float) and is_used:
             size = value if name in USUAL_SHARES else 1.0
             ranges[name] = (low * size, high * size)
     return ranges

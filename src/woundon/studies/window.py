@@ -6,8 +6,8 @@ The windings are solved in stages:
     preview  windings with these shares, which need no nips, at the centre with each input one
              standard deviation higher
     steps    the same windings with nips: the effects of the inputs on the shares
-    rolls    windings with shares at 5 x 5 set points with median inputs, and at set points and
-             inputs drawn from their distributions
+    rolls    windings with shares at 5 x 5 set points with median inputs, 9 along a field that is no
+             schedule, and at set points and inputs drawn from their distributions
     checks   windings with nips at eight other set points, four of them with other inputs: errors
 
 If shares are of no help, all windings are solved like those of the first stage.
@@ -27,7 +27,7 @@ from ..arguments import check_arguments, check_type, whole_number
 from ..errors import InvalidProblem, NotConverged
 from ..problems.grades import Grade
 from ..problems.problem import Problem
-from ..problems.winding import WindingProblem
+from ..problems.winding import SCHEDULES, WindingProblem
 from .progress import Progress, progress_reporter
 from .run import Workers
 from .window_cases import (
@@ -68,9 +68,12 @@ DRAWN_PER_TERM, DRAWN, DRAWN_WITH_NIPS = 3, 128, 48
 WORK_WITH_NIPS = 20
 FEWEST = 4  # solved windings from which a map is made
 INNER = 0.5**0.5  # third coordinate of the checks, between two of its three levels
-# off all lines of the 5 x 5 points, halfway between them in the angle
-OUTER, MIDDLE = 0.92387953, 0.38268343
-CHECKS = ((OUTER, MIDDLE), (-MIDDLE, OUTER), (-OUTER, -MIDDLE), (MIDDLE, -OUTER))
+# Points of the rolls along a set point: margins are about powers of tensions and loads.  Those of
+# other fields may have a kink, as over the oscillation where another lane becomes the worst.
+OF_SCHEDULE, OF_OTHER = 5, 9
+CHECKS = 4  # with median inputs, and as many with other inputs
+# Coordinates of the checks, halfway in the angle between points of these numbers.
+BETWEEN = {OF_SCHEDULE: (0.92387953, 0.38268343), OF_OTHER: (0.83146961, 0.19509032)}
 
 
 def operating_window(
@@ -216,13 +219,16 @@ class _Study:
         self.dimension, self.inputs = len(self.set_points.names), len(solver.spreads)
         levels = [lobatto(3)] * (self.dimension - 2)  # of a third set point
         self.rough = grid(lobatto(3), lobatto(3), *levels)
-        self.fine = grid(lobatto(5), lobatto(5), *levels)  # has all points of the rough grid
+        counts = [OF_SCHEDULE if name in SCHEDULES else OF_OTHER for name in self.set_points.names]
+        self.counts = counts[0], counts[1]  # of points along the axes of the map
+        # has all points of the rough grid
+        self.fine = grid(*(lobatto(count) for count in self.counts), *levels)
         self.added = np.array([x for x in self.fine.tolist() if x not in self.rough.tolist()])
         names = np.array(margin_names(self.model.problem))
         self.margins, self.is_checked = names, np.ones(names.size, dtype=bool)
         self.with_nips: list[Windings] = []  # of all stages in which nips are solved
         self.work_with_nips = WORK_WITH_NIPS if self.model.depths else 1
-        with_nips = len(self.rough) + self.inputs + 2 * len(CHECKS)
+        with_nips = len(self.rough) + self.inputs + 2 * CHECKS
         self.done, self.expected = 0, self.work_with_nips * with_nips
         self.expected += len(self.added) + self._number_of_draws()
         if self.model.depths:  # the preview, and the rough points of the rolls too
@@ -233,9 +239,9 @@ class _Study:
     def run(self, preview: Callable[[OperatingWindow], Any] | None) -> OperatingWindow:
         """Solve the windings of all stages; return the window."""
         rough = nips = self._solve("nips", self.rough)
-        degree, has_shares = 2, bool(self.model.depths)
+        is_fine, has_shares = False, bool(self.model.depths)
         if has_shares and not nips.is_solved.all():  # polynomials need more points then
-            nips, degree = joined(nips, self._solve("more_nips", self.added)), 4
+            nips, is_fine = joined(nips, self._solve("more_nips", self.added)), True
         self._select_checked(nips)
         rough, nips = self._checked(rough), self._checked(nips)
 
@@ -245,7 +251,7 @@ class _Study:
         if has_shares:
             # without nips, as if the inputs had no effect on the friction shares
             without_effects = reference.rows([0] * self.inputs)
-            shares = share_polynomials(nips, self._degrees(degree), reference, without_effects)
+            shares = share_polynomials(nips, self._degrees(is_fine), reference, without_effects)
             cases = np.vstack([reference.x, x]), np.vstack([reference.z, z])
             known = self._solve("preview", *cases, shares)
             # median inputs first, then each input one standard deviation higher
@@ -258,7 +264,7 @@ class _Study:
 
         if has_shares:
             steps = self._solve("steps", x, z)
-            shares = share_polynomials(nips, self._degrees(degree), reference, steps)
+            shares = share_polynomials(nips, self._degrees(is_fine), reference, steps)
             nominal, drawn = self._solve_rolls(self.fine, shares)
         else:
             added, drawn = self._solve_rolls(self.added, None)
@@ -342,7 +348,7 @@ class _Study:
         """Return the number of windings with drawn inputs."""
         if self.inputs == 0:
             return 0
-        solves_nips = self.model.problem.tension_law == "nip" and not self.model.depths
+        solves_nips = self.model.problem.solves_nips and not self.model.depths
         terms = terms_of(self.inputs, self.inputs, self.dimension)
         return min(DRAWN_WITH_NIPS if solves_nips else DRAWN, DRAWN_PER_TERM * terms)
 
@@ -351,14 +357,16 @@ class _Study:
 
         The inputs are median, then all changed by one standard deviation, with random signs.
         """
-        corners = np.array(CHECKS)
+        (x_outer, x_middle), (y_outer, y_middle) = (BETWEEN[count] for count in self.counts)
+        corners = np.array(
+            [(x_outer, y_middle), (-x_middle, y_outer), (-x_outer, -y_middle), (x_middle, -y_outer)]
+        )
         points = np.vstack([corners, corners * [-1, 1]])  # and mirrored ones for other inputs
-        count = len(corners)
         # between two of the three levels of a third set point
-        split = np.tile((-1.0) ** np.arange(count) * INNER, 2)
+        split = np.tile((-1.0) ** np.arange(CHECKS) * INNER, 2)
         x = np.column_stack([points, *[split] * (self.dimension - 2)])
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], (count, self.inputs))
-        return x, np.vstack([np.zeros((count, self.inputs)), signs])
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (CHECKS, self.inputs))
+        return x, np.vstack([np.zeros((CHECKS, self.inputs)), signs])
 
     # ---- maps -----------------------------------------------------------------------------------
 
@@ -432,7 +440,7 @@ class _Study:
         if len(known.x) < FEWEST:
             text = f"only {len(known.x)} of {len(nominal.x)} windings were solved"
             raise NotConverged(f"{text}: {self._reasons(nominal)}")
-        degrees = self._degrees(2 if drawn is None else 4)
+        degrees = self._degrees(is_fine=drawn is not None)
         polynomial = fitted(known.x, known.margins, degrees)
         changed = steps if drawn is None else joined(steps, drawn)
         changed = changed.rows(np.isfinite(changed.margins).all(axis=1))
@@ -441,9 +449,10 @@ class _Study:
         powers, factors = expansion_of(changed.x, changed.z, changes, differences)
         return MarginMap(polynomial, powers, factors, self.sample)
 
-    def _degrees(self, degree: int) -> list[int]:
+    def _degrees(self, is_fine: bool) -> list[int]:
         """Return the degrees along all coordinates; a third set point has three levels."""
-        return [degree, degree, *[2] * (self.dimension - 2)]
+        of_axes = [count - 1 if is_fine else 2 for count in self.counts]
+        return [*of_axes, *[2] * (self.dimension - 2)]
 
     def _deviations(self, mapped: MarginMap, checks: Windings | None) -> dict[str, Array]:
         """Return root mean square differences of the margins from windings, nan without any.
@@ -454,7 +463,7 @@ class _Study:
         deviations = {"interpolation": unknown, "expansion": unknown}
         if checks is None:
             return deviations
-        halves = slice(len(CHECKS)), slice(len(CHECKS), None)  # as of _checks
+        halves = slice(CHECKS), slice(CHECKS, None)  # as of _checks
         for name, half in zip(deviations, halves, strict=True):
             solved = checks.rows(half).rows(checks.is_solved[half])
             if len(solved.x):

@@ -267,7 +267,7 @@ def margin_names(problem: WindingProblem) -> tuple[str, ...]:
 
 def _depths(problem: WindingProblem) -> tuple[float, ...]:
     """Return the relative depths at which the friction shares of a winding are interpolated."""
-    if problem.tension_law != "nip" or problem.air is not None or problem.winder is not None:
+    if not problem.solves_nips or problem.air is not None or problem.winder is not None:
         return ()
     core, R = problem.ends  # radii of the core and of the finished roll
     first = problem.web.thickness / (R - core)

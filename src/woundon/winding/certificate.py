@@ -18,6 +18,7 @@ from ..roll.stages import stages_at
 from .bodies import effective_cylinder, effective_pressure, hardening_roll, linear_cylinder
 from .drives import drive_radii, drives_of
 from .drum_nips import drum_nips
+from .foil import mean_foil_film
 from .measured import smoothed
 from .nips import PRESSURE_TOLERANCE, Nips
 
@@ -62,8 +63,9 @@ def certificate(result: Any) -> Residuals:
         Relative difference between the wound-on tension of each nip and the reported tension minus
         its departure under fluctuating schedules; scaled so that ``coupling_rtol`` is 1e-8.
     air
-        Difference between the air film of the layers and the mean film of the nips, relative to the
-        web thickness; scaled so that ``coupling_rtol`` is 1e-8.
+        Difference between the air film of the layers and the mean film of the nips, without a nip
+        that of a foil bearing, relative to the web thickness; scaled so that ``coupling_rtol`` is
+        1e-8.
     tension_balance
         Residual of WOT = T_in + NIT, relative to the largest WOT.
     schedules
@@ -131,7 +133,7 @@ def _drives_residual(result: Any) -> float:
 
 def _positivity_residual(result: Any) -> float:
     """Return 0 if widths, pressures and friction of all nips are positive, else inf."""
-    expected = result.nip_radius.shape if result.problem.tension_law == "nip" else (0,)
+    expected = result.nip_radius.shape if result.problem.solves_nips else (0,)
     if any(getattr(result, name).shape != expected for name in NIP_ARRAYS):
         return np.inf
     if not _has_drum_nips(result, expected):
@@ -163,6 +165,9 @@ def _has_drum_nips(result: Any, expected: tuple[int, ...]) -> bool:
 
 def _air_film_residual(result: Any) -> float:
     """Return the difference of the air film from the mean film of the nips, over thickness."""
+    if not result.problem.has_nip:
+        mean = mean_foil_film(result.problem)
+        return abs(result.air_film - mean) / float(result.problem.web.thickness)
     r, h = result.nip_radius, result.nip_air_film
     mean = float(np.trapezoid(h * r, r) / np.trapezoid(r, r)) if r.size > 1 else 0.0
     return abs(result.air_film - mean) / float(result.problem.web.thickness)

@@ -29,6 +29,7 @@ from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 
+from ..problems.inertia import Inertia
 from ..problems.winding import WindingProblem
 from ..quantities import Quantity
 from ..results import ReadOnly
@@ -133,11 +134,11 @@ def drives_of(problem: WindingProblem, r: Array, film: float) -> dict[str, Drive
     drums = _drums(problem, r)
     winder, rider = problem.winder, 0.0
     if winder is None:
-        core = web_moment + drums["drum_drive"].force * r * width
+        core = web_moment + problem.at("winding_force", r) * r * width
     else:
         core = problem.at("winder.core_torque", r) * width
         if winder.rider is not None:  # which the roll accelerates
-            rider = problem.inertia.rider * problem.limits.acceleration / winder.rider.radius**2
+            rider = _inertia(problem).rider * problem.limits.acceleration / winder.rider.radius**2
     growth, acceleration = _moments_of_inertia(problem, r, film)
     acceleration = acceleration + rider * r
     has_core_drive = bool(np.any(np.abs(core) > NO_DRIVE * web_moment))
@@ -180,7 +181,9 @@ class _Drum(NamedTuple):
 
 def _drums(problem: WindingProblem, r: Array) -> dict[str, _Drum]:
     """Return the driven drums at radii of the roll (K,) [m], by the name of the output."""
-    inertia = problem.inertia
+    if not problem.has_nip:
+        return {}
+    inertia = _inertia(problem)
     rear_force = problem.at("winding_force", r)
     rear_share = np.ones_like(r)
     drums = {}
@@ -189,8 +192,13 @@ def _drums(problem: WindingProblem, r: Array) -> dict[str, _Drum]:
         front_force = problem.drum_loads(r).front_force
         radius = problem.winder.front_drum.radius
         drums["front_drive"] = _Drum(radius, inertia.front_drum, front_force, 1 - rear_share)
-    drums["drum_drive"] = _Drum(problem.drum.radius, inertia.drum, rear_force, rear_share)
+    drums["drum_drive"] = _Drum(problem.drum_radius, inertia.drum, rear_force, rear_share)
     return drums
+
+
+def _inertia(problem: WindingProblem) -> Inertia:
+    """Return the moments of inertia of core and drums, 0 if they are not given."""
+    return problem.inertia or Inertia()
 
 
 def _moments_of_inertia(problem: WindingProblem, r: Array, film: float) -> tuple[Array, Array]:
@@ -204,5 +212,5 @@ def _moments_of_inertia(problem: WindingProblem, r: Array, film: float) -> tuple
     a, web = problem.limits.acceleration, problem.web.thickness
     layer = web + film
     density = (problem.density or 0.0) * web / layer
-    J = problem.inertia.core + width * ring_inertia(problem.core.radius, r, density)
+    J = _inertia(problem).core + width * ring_inertia(problem.core.radius, r, density)
     return -J * V**2 * layer / (2 * pi * r**3), J * a / r

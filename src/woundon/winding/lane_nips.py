@@ -35,7 +35,7 @@ from typing import Any
 import numpy as np
 
 from ..elasticity.beam import Beam, BeamsAcross
-from ..errors import unwarned
+from ..errors import InvalidProblem, NotConverged, unwarned
 from ..nip.outputs import approach
 from ..nip.result import NipResult
 from ..nip.solve import solve_nip
@@ -163,7 +163,7 @@ class NipsOfWinding:
     def __init__(self, result: Any, roll: RollResult) -> None:
         self.result, self.problem, self.roll = result, result.problem, roll
         self.core = float(self.problem.core.radius)
-        self.samples = self._samples() if self.problem.tension_law == "nip" else None
+        self.samples = self._samples() if self.problem.solves_nips else None
 
     def web_tension(self, r: Array) -> Array:
         """Return T_in at radii [N/m]."""
@@ -297,35 +297,61 @@ class NipsOfWinding:
     def _row(self, radius: float, friction: float) -> Array:
         """Return the values of :meth:`_samples` at one radius, (K, 1 + 2 n).
 
-        The nips are solved under all loads of one of them at a time.  ``friction`` is mu+ with the
-        entrained air.
+        The nips are solved under all loads of one of them at a time; a load without a steady state
+        is left out.  ``friction`` is mu+ with the entrained air.
         """
-        problem = self.problem
-        stage = None if problem.roll_body == "linear" else stages_at(self.roll, [radius])[0]
-        sample: NipSample | None = None
         loads = self._loads(np.array([radius]))[:, 0].tolist()
-        with_air = problem.replace(stack=self.roll.problem.stack)
-        outputs: dict[tuple[float, ...], tuple[Array, float]] = {}
+        solved: dict[tuple[float, ...], NipSample | None] = {}
+        last: NipSample | None = None  # a warm start
         rows = []
         for k, load in enumerate(loads):
             own = []
             for fraction in self._sampled:
                 fractions = tuple(fraction if j == k else 1.0 for j in range(len(loads)))
-                if fractions not in outputs:
-                    solve = partial(self._solve, radius, friction, fractions)
-                    sample = solved_nip(
-                        with_air, radius, stage, None, sample, solve, PRESSURE_TOLERANCE
-                    )
-                    nip = sample.result
-                    added = tension_on_roll(nip) - nip.problem.web_tension
-                    outputs[fractions] = _approaches(nip), added
-                own.append((outputs[fractions][0][k], outputs[fractions][1]))
-            delta, added_tension = np.array(own).T
+                if fractions not in solved:
+                    solved[fractions] = self._sample(radius, friction, fractions, last)
+                    last = solved[fractions] or last
+                own.append(_approach_and_added(solved[fractions], k))
+            delta, added = np.array(own).T
             middle = self._sampled.index(1.0)
             log_approach = np.log(delta / delta[middle])
-            change = (added_tension - added_tension[middle]) / (friction * load)
-            rows.append([np.log(delta[middle] / load), *log_approach, *change])
+            change = (added - added[middle]) / (friction * load)
+            rows.append(
+                [
+                    np.log(delta[middle] / load),
+                    *_completed(np.log(self._sampled), log_approach),
+                    *_completed(np.array(self._sampled), change),
+                ]
+            )
         return np.array(rows)
+
+    def _sample(
+        self, radius: float, friction: float, fractions: Sequence[float], last: NipSample | None
+    ) -> NipSample | None:
+        """Return the nips under fractions of their loads.
+
+        None if they have no steady state then, as a strongly driven drum under twice its load and
+        force may have none; that under the loads of the winding exists.
+
+        Parameters
+        ----------
+        radius : float
+            [m].
+        friction : float
+            mu+ with the entrained air.
+        fractions : sequence of K floats
+        last : NipSample, optional
+            A solution for a warm start.
+        """
+        problem, solve = self.problem, partial(self._solve, radius, friction, fractions)
+        stage = None if problem.roll_body == "linear" else stages_at(self.roll, [radius])[0]
+        with_air = problem.replace(stack=self.roll.problem.stack)
+        try:
+            return solved_nip(with_air, radius, stage, None, last, solve, PRESSURE_TOLERANCE)
+        except (InvalidProblem, NotConverged):
+            if set(fractions) == {1.0}:
+                raise
+            return None
 
     def _solve(
         self,
@@ -357,11 +383,36 @@ class NipsOfWinding:
             return solve_nip(nip, nodes=self.result.nodes, start=start, errors=start is None)
 
 
-def _approaches(nip: NipResult) -> Array:
-    """Return the approach of the roll and the drum of each nip, (K,) [m]."""
+def _approach_and_added(sample: NipSample | None, k: int) -> tuple[float, float]:
+    """Return the approach of nip k [m], and the tension that all nips add [N/m]; nan without."""
+    if sample is None:
+        return np.nan, np.nan
+    nip = sample.result
     mesh = nip.refinement.last
-    pairs = zip(mesh.system.nips, mesh.state.nips, strict=True)
-    return np.array([approach(equations, state) for equations, state in pairs])
+    delta = approach(mesh.system.nips[k], mesh.state.nips[k])
+    return delta, tension_on_roll(nip) - nip.problem.web_tension
+
+
+def _completed(x: Array, values: Array) -> Array:
+    """Return values over x (n,), where they are nan on the line through the two nearest others.
+
+    The value at the load of the winding and another one must be known.
+
+    Raises
+    ------
+    NotConverged
+        If only one is.
+    """
+    known = np.flatnonzero(~np.isnan(values))
+    if known.size < 2:
+        text = "the nips have no steady state under other loads, as lanes of a web have"
+        raise NotConverged(text)
+    values = values.copy()
+    for k in np.flatnonzero(np.isnan(values)):
+        first, second = known[np.argsort(np.abs(known - k), kind="stable")[:2]]
+        slope = (values[second] - values[first]) / (x[second] - x[first])
+        values[k] = values[first] + slope * (x[k] - x[first])
+    return values
 
 
 def lanes_of_winding(result: Any, rtol: float, count: int) -> LaneRoll:

@@ -81,7 +81,7 @@ FIELDS = {
     "bending": "yield_strain",
 }
 HINTS = {
-    "slip": "let the drum carry more of the torque, accelerate more slowly, or wind tighter",
+    "slip": "let a drum carry more of the torque, accelerate more slowly, or wind tighter",
     "compression": "wind tighter at the core and taper less steeply, or use a stiffer core",
     "blocking": "reduce web tension or nip load, or taper them towards the surface",
     "core": "reduce the wound-on tension at the core, or use a stronger core",

@@ -38,6 +38,7 @@ from .assembly import assemble_result
 from .bodies import tension_on_roll
 from .certificate import LARGEST_COUPLING_RTOL, certificate
 from .curve import NOMINAL, TensionCurve, polyline_radii, sampling_radii
+from .foil import mean_foil_film
 from .interpolation import Piece
 from .lane_nips import lanes_of_winding
 from .measured import CHECKS, Departure, largest_mismatch, smoothed
@@ -149,7 +150,7 @@ def solve_winding(
     if coupling_tolerance is None:
         coupling_tolerance = COUPLING_RTOL[problem.roll_body] * max(1.0, rtol / RTOL)
     with unwarned():  # reported once, with the radius
-        if problem.tension_law != "nip":
+        if not problem.solves_nips:
             result = _solve_prescribed(problem, rtol, nodes, coupling_tolerance)
         elif (smooth := smoothed(problem, rtol)) is not None:
             winder = _Winder(smooth, rtol, nodes, coupling_tolerance, start, errors, progress)
@@ -608,12 +609,13 @@ def _solve_prescribed(
 ) -> WindingResult:
     """Solve a winding whose wound-on tension needs no nips."""
     law, schedule, r = problem.tension_law, problem.at, sampling_radii(problem)
+    film = 0.0 if problem.has_nip else mean_foil_film(problem)
     if isinstance(law, Profile):
         tension = problem.curve("tension_law").at(r)
     elif law == "fixed":
         tension = schedule("web_tension", r) + schedule("nip_induced_tension", r)
     else:
-        tension = _full_slip_tension(problem, r)
+        tension = _full_slip_tension(problem, r)  # without a nip T_in
     radii = polyline_radii(problem, r, tension, rtol)
     reported = np.interp(radii, r, tension)
     difference = np.abs(np.interp(r, radii, reported) - tension)
@@ -622,12 +624,12 @@ def _solve_prescribed(
         problem,
         radii,
         reported,
-        wind(problem, radii, reported, rtol),
+        wind(problem, radii, reported, rtol, film),
         Nips(problem, nodes, coupling_rtol, report=lambda _: None),
         interpolation=(error if error > ROUNDING else 0.0, 0.0),
         rtol=rtol,
         coupling_rtol=coupling_rtol,
-        film=0.0,
+        film=film,
     )
 
 
