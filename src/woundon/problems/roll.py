@@ -248,7 +248,9 @@ class RollProblem(Problem):
         **only_in("WindingProblem", "drum", "roll_friction", "drum_friction", "nip_load"),
         **only_in("WindingProblem", "winding_force", "torque_split", "roll_wrap", "drum_wrap"),
         **only_in("NipProblem", "next_nips"),
-        **only_in("WindingProblem", "winder", "wrap_friction", "roll_body", "air", "width"),
+        **only_in(
+            "WindingProblem", "winder", "wrap_friction", "roll_body", "air", "width", "inertia"
+        ),
         **only_in("WindingProblem", "drum_bending", "core_bending"),
         **only_in("RollerProblem", "upper", "lower", "load", "friction", "tangential_load"),
         **only_in("RollerProblem", "creepage", "motion", "speed"),
