@@ -180,7 +180,7 @@ class NipProblem(ContactProblem):
         "nip_induced_tension": "it is an output; a WindingProblem may prescribe it",
         "roll_body": "give roll, a cylinder or a wound roll",
         **only_in("WindingProblem", "tension_law", "limits"),
-        **only_in("WindingProblem", "gauge_excess", "caliper_pressure"),
+        **only_in("WindingProblem", "gauge_excess", "caliper_pressure", "inertia"),
         **only_in("WindingProblem", "thickness_profile", "oscillation"),
         **only_in("WindingProblem", "drum_bending", "core_bending", "inertia"),
         **only_in("RollProblem", *OF_FINISHED_ROLL),
