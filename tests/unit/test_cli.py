@@ -148,8 +148,8 @@ def test_describe_lists_fields_outputs_and_options(kind, capsys: Capture):
         assert (place.path, place.quantity.symbol.split()[0]) in rows
     for name in kind.solver_options():
         assert f"--{name.replace('_', '-')} " in text
-    # the friction's range: rollers may have none; of a roll that of its temperature change
-    ranges = {"rollers": "(0 to 10)", "roll": "(-1000 to 1000)"}
+    # the range of friction: rollers may have none; of a roll that of its expansion
+    ranges = {"rollers": "(0 to 10)", "roll": "(-0.01 to 0.01)"}
     assert ranges.get(kind.name, "(1e-08 to 10)") in text
 
 
@@ -275,7 +275,7 @@ def test_units_are_of_names_of_the_case(tmp_path, capsys: Capture):
     ):
         assert cli.main([*command, "--unit", "nip_load=kN/m"]) == 2  # a field of nips
         message = capsys.readouterr().err
-        assert message.startswith("error: nip_load: no field or output; known: bonded_")
+        assert message.startswith("error: nip_load: no field or output; known: bending_strain, ")
 
 
 # ---- written files ------------------------------------------------------------------------------

@@ -9,8 +9,7 @@ the estimated error of the last value Q_m is  3 max_k d_k (N_k/N_m)^2  over the 
 Zone boundaries move through the cells, so convergence is not monotone: one change may be small by
 chance, and the factor of safety is that of Roache's grid convergence index.  Refinement ends when
 the estimate of the fourth or a further mesh meets its tolerance: two changes that are both small by
-chance do not end it.  A loose tolerance is far above the usual error of the third mesh, so that its
-estimate decides, and the first meshes are coarser.
+chance do not end it.  With a loose tolerance the first meshes are coarser.
 
 The first three meshes are fixed.  Each further one is predicted from the ratio r of the estimate
 and the tolerance: N = N_last sqrt(r/0.6), at least 1.3 and at most 2 times the last.
@@ -211,8 +210,7 @@ def refine(
     most_nodes : int
         Largest mesh; there the refinement ends even if the tolerances are not met.
     loose : bool
-        True for relative tolerances of LOOSE and more: the first meshes are coarser, and the third
-        may be the last one.
+        True for relative tolerances of LOOSE and more: the first meshes are coarser.
     start : Refinement, optional
         Solutions of a neighbouring problem, which replace the initial guess on every mesh.
     errors : bool
@@ -233,7 +231,6 @@ def refine(
         sizes_up_to(nodes, first) if nodes else [n for n in first if n <= most_nodes]
         for first in (LOOSE_SIZES if loose else FIRST_SIZES, OTHER_SIZES)
     )
-    fewest = CHANGES + 1 if loose else REPORTED + 1
 
     def refine_from(sizes: list[int], start: Refinement | None, larger: int) -> Refinement:
         """Solve on the meshes ``sizes``, then on further ones, with a warm start or without.
@@ -251,7 +248,7 @@ def refine(
                 if progress:
                     progress(min(size / (nodes or most_nodes), 1.0))
             ratio = max(refinement.ratios(tolerances).values(), default=0.0)
-            is_last = len(refinement.meshes) >= fewest and ratio <= 1
+            is_last = len(refinement.meshes) > REPORTED and ratio <= 1
             if nodes or is_last or refinement.last.size >= most_nodes:
                 refinement.meshes[-1] = _solve_to_final_tolerance(refinement.last)
                 return refinement
