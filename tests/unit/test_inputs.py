@@ -182,8 +182,25 @@ def test_a_speed_that_nothing_depends_on_is_reported():
     assert result.nip_induced_tension == wo.solve(NIP, nodes=17).nip_induced_tension
     assert not WINDING.replace(web_speed=10.0).input_warnings  # the centrifugal force
     assert WINDING.replace(web_speed=10.0, density=None).input_warnings
+    still = WINDING.replace(web_speed=10.0, density=None)
+    assert still.input_warnings
+    assert "web_speed" in still.unused
+    assert still.wound_roll(300.0).input_warnings == ()
+    roll = wo.RollProblem.example().replace(web_speed=10.0, density=None)
+    assert any("web_speed = 10 m/s is not used" in text for text in roll.input_warnings)
     assert not NIP.input_warnings
     assert not wo.NipProblem.example().input_warnings
+
+
+def test_a_web_that_its_centrifugal_force_lifts_off_the_drum_wrap_is_rejected_by_its_tension():
+    # m V^2 = 700 * 66e-6 * 100^2 = 462 N/m; the web tension falls to 245 N/m
+    fast = {"web_speed": 100.0, "density": 700.0, "drum_wrap": 1.0}
+    with pytest.raises(wo.InvalidProblem, match=r"web_tension: 245 at the radius 0.6 .* > 462"):
+        WINDING.replace(**fast)
+    assert WINDING.replace(**fast, web_tension=470.0).drum_wrap == 1.0
+    # a speed out of reach is no fault of a wound-on tension, which a winding does not have
+    heavy = WINDING.replace(radius=2.0, density=3e4, web_speed=200.0, **{"web.thickness": 1e-3})
+    assert heavy.centrifugal_tension == pytest.approx(1.2e6)
 
 
 # ---- outputs in units ---------------------------------------------------------------------------

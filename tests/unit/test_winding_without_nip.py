@@ -123,6 +123,7 @@ def test_a_case_file_gives_the_problem_back():
     kept = ALONE.replace(drum=wo.Rigid(radius=0.3))
     assert any("drum is not used" in warning for warning in kept.input_warnings)
     assert "drum" in kept.unused
+    assert {"drum", "drum_friction"} <= set(kept.unused)
 
 
 def test_the_report_and_the_panels_name_no_drum():

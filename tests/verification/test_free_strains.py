@@ -128,6 +128,30 @@ def test_profiles_against_rings(changes: dict):
     assert np.max(np.abs(miss - change)) < 0.06 * np.max(np.abs(effect))
 
 
+@pytest.mark.parametrize("removed", [False, True])
+def test_lanes_of_an_even_web_are_the_plain_roll(removed: bool):
+    """Changes with kinks over the radius, at which lanes and mean roll have nodes."""
+    even = wo.ThicknessProfile(position=[0.0, 0.5, 1.0], thickness=[1.0, 1.0, 1.0])
+    warmth = wo.Profile(radius=[0.04, 0.08, 0.0835, 0.16], value=[5.0, 4.0, -10.0, -10.0])
+    result = wo.solve(
+        NEWSPRINT.replace(
+            thickness_profile=even, core_removed=removed, temperature_change=warmth,
+            tangential_expansion=1e-5, radial_expansion=2e-5,
+        ),
+        lanes=4,
+    )  # fmt: skip
+    lanes = result.lanes
+    r = lanes.radius.values
+    assert set(r) >= {*np.exp(np.log([0.08, 0.0835]))}
+    for name, values in result.at_radius(r).items():
+        # rounding errors of the stages of the build-up; 5e-3 of the pressure without the nodes
+        scale = np.max(np.abs(values))
+        np.testing.assert_allclose(lanes[name].values.T / scale, [values / scale] * 4, atol=1e-8)
+    again = result.replace(lane_roll=None)  # as a loaded result
+    # with nodes at the kinks in all stages: a tenth of rtol at most
+    assert again.worst_lane.pressure == pytest.approx(result.worst_lane.pressure, rel=1e-4)
+
+
 def test_the_free_strains_of_a_stage_and_of_what_has_no_effect():
     result = wo.solve(NEWSPRINT.replace(**DRYING))
     stage = result.at(0.1)
@@ -135,6 +159,14 @@ def test_the_free_strains_of_a_stage_and_of_what_has_no_effect():
     assert stage.core_pressure == pytest.approx(wo.solve(NEWSPRINT).at(0.1).core_pressure, rel=1e-4)
     assert "moisture_change" in NEWSPRINT.replace(moisture_change=0.01).unused
     assert "radial_swelling" in NEWSPRINT.replace(radial_swelling=0.5).unused
+    # a core that is removed does not swell
+    swollen = NEWSPRINT.replace(moisture_change=0.01, core_swelling=0.1)
+    assert not swollen.input_warnings
+    for problem in (NEWSPRINT.replace(moisture_change=0.01), swollen.replace(core_removed=True)):
+        assert any("moisture_change is not used" in text for text in problem.input_warnings)
+        assert "moisture_change" in problem.unused
+    removed = NEWSPRINT.replace(core_shrinkage=1e-4, core_removed=True)
+    assert removed.input_warnings == ("core_shrinkage is not used, as core_removed is true",)
     assert "change of the moisture content" in str(result)
     with pytest.raises(wo.InvalidProblem, match=r"moisture_change.value.1.*<= 1 \[1\]"):
         NEWSPRINT.replace(moisture_change=wo.Profile(radius=[0.0445, 0.15], value=[0, 2]))

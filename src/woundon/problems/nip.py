@@ -42,6 +42,7 @@ __all__ = [
     "Width",
     "WrapFriction",
     "friction_capacity",
+    "slack_on_drum",
 ]
 
 LEAST_FRICTION = 1e-8  # below, rounding errors decide between stick and slip
@@ -98,6 +99,21 @@ def friction_capacity(
     """
     nip, wrap = drum_friction * nip_load, drum_friction * drum_wrap
     return -nip + hoop_tension * np.expm1(-wrap), nip + hoop_tension * np.expm1(wrap)
+
+
+def slack_on_drum(web_tension: float, centrifugal: float, place: str = "") -> InvalidProblem:
+    """Return the error for a web whose tension does not hold it on the drum wrap.
+
+    Parameters
+    ----------
+    web_tension, centrifugal : float
+        T_in and m V^2 [N/m].
+    place : str
+        Where it is slack, with a space before it.
+    """
+    needed = f"{centrifugal:.6g} [N/m], its centrifugal force" if centrifugal else "0 [N/m]"
+    text = f"{web_tension:.6g}{place} is out of range: a web wrapped on the drum must be taut, > "
+    return InvalidProblem.at("web_tension", text + needed)
 
 
 class NipProblem(ContactProblem):
@@ -180,7 +196,7 @@ class NipProblem(ContactProblem):
         "nip_induced_tension": "it is an output; a WindingProblem may prescribe it",
         "roll_body": "give roll, a cylinder or a wound roll",
         **only_in("WindingProblem", "tension_law", "limits"),
-        **only_in("WindingProblem", "gauge_excess", "caliper_pressure", "inertia"),
+        **only_in("WindingProblem", "gauge_excess", "caliper_pressure"),
         **only_in("WindingProblem", "thickness_profile", "oscillation"),
         **only_in("WindingProblem", "drum_bending", "core_bending", "inertia"),
         **only_in("RollProblem", *OF_FINISHED_ROLL),
@@ -296,13 +312,7 @@ class NipProblem(ContactProblem):
     def _check_steady_state(self) -> Self:
         """Reject a slack web on a drum wrap, and a winding force that exceeds the friction."""
         if self.drum_wrap > 0 and self.hoop_tension <= 0:
-            force = self.centrifugal_tension
-            needed = f"{force:.6g} [N/m], its centrifugal force" if force else "0 [N/m]"
-            raise InvalidProblem.at(
-                "web_tension",
-                f"{self.web_tension:.6g} is out of range: a web wrapped on the drum must be taut, "
-                f"> {needed}",
-            )
+            raise slack_on_drum(self.web_tension, self.centrifugal_tension)
         low, high = friction_capacity(
             self.nip_load, self.hoop_tension, self.drum_friction, self.drum_wrap
         )

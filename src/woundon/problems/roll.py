@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import InitVar
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, one_of
 from ..quantities import Quantity, length, pure, share, strain, stress, tension, thickness_of_web
 from .air_law import AirBetween
 from .assumptions import of_roll
@@ -439,7 +439,7 @@ class RollProblem(Problem):
         for change, (_, coefficients) in FREE_STRAINS.items():
             if getattr(self, change) == 0:
                 without_effect += coefficients
-            if not any(getattr(self, name) for name in coefficients):
+            if not self._strains_by(change):
                 without_effect.append(change)
         return (
             "stack.shear_exponent",  # an axisymmetric roll is not sheared
@@ -455,9 +455,28 @@ class RollProblem(Problem):
         """Inputs that have no effect or contradict each other, as sentences."""
         return (
             *super().input_warnings,
+            *self._without_effect(),
             *self.stack.input_warnings("stack"),
             *warnings_across(self, self.web_thickness),
         )
+
+    def _strains_by(self, change: str) -> bool:
+        """Return True if layers or core are strained by a change of temperature or moisture."""
+        _, (along, through, core) = FREE_STRAINS[change]
+        parts = along, through, *(() if self.core_removed else (core,))
+        return any(getattr(self, name) for name in parts)
+
+    def _without_effect(self) -> Iterator[str]:
+        """Yield warnings about a speed and changes of the finished roll that change nothing."""
+        if self.web_speed and self.density is None:
+            text = f"web_speed = {self.web_speed:.6g} m/s is not used"
+            yield f"{text}: without density the centrifugal force of the web is neglected"
+        for change, (_, coefficients) in FREE_STRAINS.items():
+            if getattr(self, change) != 0 and not self._strains_by(change):
+                zero = coefficients[:2] if self.core_removed else coefficients
+                yield f"{change} is not used, as {one_of(zero, 'and')} are 0"
+        if self.core_removed and self.core_shrinkage:
+            yield "core_shrinkage is not used, as core_removed is true"
 
     @property
     def _law_of_web(self) -> RadialLaw:

@@ -74,7 +74,7 @@ class RollerProblem(ContactProblem):
         **only_in("RollProblem", "web_thickness", "wound_on_tension", *OF_FINISHED_ROLL),
         **only_in("WindingProblem", "torque_split", "roll_body", "tension_law", "limits"),
         **only_in("WindingProblem", "nip_induced_tension", "winder"),
-        **only_in("WindingProblem", "density", "gauge_excess", "caliper_pressure", "inertia"),
+        **only_in("WindingProblem", "density", "gauge_excess", "caliper_pressure"),
         **only_in("WindingProblem", "thickness_profile", "oscillation"),
         **only_in("WindingProblem", "drum_bending", "core_bending", "inertia"),
     }

@@ -34,6 +34,7 @@ from .nip import (
     Width,
     WrapFriction,
     friction_capacity,
+    slack_on_drum,
 )
 from .paths import field_or_none, field_quantity
 from .permitted import Conditional, in_brackets, is_within
@@ -320,7 +321,7 @@ class WindingProblem(Problem):
     def _check_winding(self) -> Self:
         """Check the roll, the schedules and their combination."""
         try:  # checks core, number of layers and density; with any tension
-            self.wound_roll(wound_on_tension=1e6)
+            self.wound_roll(wound_on_tension=1.0, rotates=False)
         except InvalidProblem as fault:
             own_names = {"web_thickness": "web.thickness"}  # by the name of the field of a roll
             faults = [(own_names.get(field, field), text) for field, text in fault.faults]
@@ -447,6 +448,11 @@ class WindingProblem(Problem):
         return self.density is not None or self.air is not None or bool(self._viscoelastic_drums)
 
     @property
+    def _uses_speed(self) -> bool:
+        """True if the speed affects the roll or, with the width, the powers of the drives."""
+        return self._speed_has_effect or self.width is not None
+
+    @property
     def _viscoelastic_drums(self) -> list[str]:
         """Dotted names of the drums that are viscoelastic."""
         return [name for name, drum in self.drums.items() if drum.viscoelastic]
@@ -460,8 +466,7 @@ class WindingProblem(Problem):
             *self.stack.input_warnings("stack"),
             *warnings_across(self, self.web.thickness),
         ]
-        has_effect = self._speed_has_effect or self.width is not None  # powers of the drives
-        if self.web_speed is not None and not has_effect:
+        if self.web_speed is not None and not self._uses_speed:
             texts.append(unused_speed("web_speed", self.web_speed))
         if self.drum is not None and not self.has_nip:
             texts.append("drum is not used, as nip_load = 0")
@@ -499,9 +504,12 @@ class WindingProblem(Problem):
                 yield f"{name}.{schedule.field_of_law}", f"{text}, {must}"
 
     def _check_steady_state(self) -> None:
-        """Reject a winding force that the friction of nip and drum wrap cannot transmit."""
+        """Reject a slack web on the drum wrap, and a winding force that exceeds the friction."""
         r = self.radii(CHECKED_RADII)
         P, T, F = (self.at(name, r) for name in ("nip_load", "web_tension", "winding_force"))
+        least, force = int(np.argmin(T)), self.centrifugal_tension
+        if self.drum_wrap > 0 and T[least] <= force:
+            raise slack_on_drum(float(T[least]), force, f" at the radius {r[least]:.6g} [m]")
         low, high = map(np.asarray, self._friction_capacity(P, T))
         slides = ~((low < F) & (high > F))
         if slides.any():
@@ -740,8 +748,13 @@ class WindingProblem(Problem):
         last_arc = min(self.roll_wrap, HELD * to_rear_drum)
         return {"next_nips": nips, "roll_wrap": sum(nip.angle for nip in nips) + last_arc}
 
-    def wound_roll(self, wound_on_tension: AnySchedule, film: float = 0.0) -> RollProblem:
-        """Return the roll for a wound-on tension [N/m] and an air film [m] between its layers."""
+    def wound_roll(
+        self, wound_on_tension: AnySchedule, film: float = 0.0, *, rotates: bool = True
+    ) -> RollProblem:
+        """Return the roll for a wound-on tension [N/m] and an air film [m] between its layers.
+
+        It carries the centrifugal force of the web, if that is known, unless ``rotates`` is False.
+        """
         roll = RollProblem(
             core=self.core,
             radius=self.radius,
@@ -750,7 +763,7 @@ class WindingProblem(Problem):
             wound_on_tension=wound_on_tension,
             caliper_pressure=self.caliper_pressure,
             density=self.density,
-            web_speed=self.web_speed,
+            web_speed=self.web_speed if rotates and self.density is not None else None,
             gauge_excess=self.gauge_excess,
         )
         if self.air is None:
@@ -775,6 +788,8 @@ class WindingProblem(Problem):
             *(() if solves_nips else OF_NIP if self.winder is None else OF_NIP_ALONE),
             *(("oscillation",) if self.thickness_profile is None else ()),
             *(() if solves_nips or self.winder is not None else ("drum",)),
+            *(() if self.has_nip else ("drum_friction",)),
+            *(() if self._uses_speed else ("web_speed",)),
             *self._unused_inertia,
         )
 

@@ -45,6 +45,7 @@ __all__ = [
     "finished_arrays",
     "finished_zones",
     "surface_layer_depth",
+    "with_nodes",
 ]
 
 Array = np.ndarray
@@ -102,8 +103,6 @@ class FinalChanges:
     ----------
     core : float
         dT_c [Pa].
-    is_uniform : bool
-        True if the free strains do not depend on the radius.
     kinks : (k,) array
         ln r at which the slope of a free strain jumps.
     """
@@ -114,7 +113,6 @@ class FinalChanges:
         core = sum((s.core - s.along) * float(s.change.at(r_c)[0]) for s in self.strains)
         self.core = self.tangential * (core - problem.core_shrinkage)
         profiles = [s.change for s in self.strains if isinstance(s.change.schedule, Profile)]
-        self.is_uniform = not profiles
         kinks = [change.kinks for change in profiles]
         self.kinks = np.log(np.unique(np.concatenate(kinks))) if kinks else np.zeros(0)
 
@@ -256,7 +254,8 @@ def _finished_state(
         """Return as many nodes between two ends as the roll has, dense at both."""
         kinks, jumps = kinks_of(curve, growth, outer)
         of_changes = changes.kinks[changes.kinks < outer]
-        kinks, jumps = np.append(kinks, of_changes), np.append(jumps, 0.0 * of_changes)
+        kinks = np.append(kinks, of_changes)
+        jumps = np.append(jumps, np.zeros(of_changes.size))  # only their places count
         order = np.argsort(kinks)
         cells = max(x.size - 1 - curve.kinks.size, FEWEST_CELLS)
         depth = surface_layer_depth(problem)
@@ -265,7 +264,7 @@ def _finished_state(
 
     P, Q = wound.P, wound.Q
     if changes.kinks.size:
-        with_kinks = _with_nodes(x, changes.kinks)
+        with_kinks = with_nodes(x, changes.kinks)
         P, Q = interpolate_pressure(x, P, Q, with_kinks)
         x, wound = with_kinks, wound._replace(P=P, Q=Q)
     data = StageData(x, source_at(x), T_c)
@@ -284,7 +283,7 @@ def _finished_state(
     return x, P, Q
 
 
-def _with_nodes(x: Array, kinks: Array) -> Array:
+def with_nodes(x: Array, kinks: Array) -> Array:
     """Return nodes ln r with those of kinks added; nodes next to a kink are replaced by it."""
     nearest = np.min(np.abs(x[1:-1, None] - kinks), axis=1)
     inner = x[1:-1][nearest > SAME]

@@ -14,10 +14,10 @@ from ..problems.bending import bends
 from ..problems.thickness_profile import Lanes
 from ..quantities import Quantity, length, line_load, on_request, share, strain, stress
 from .build_up import BuildUp, NotWoundError
-from .equations import StageData, StageSolution, stretched
-from .finished import ROUNDING, FinalChanges, equations_of, surface_layer_depth
+from .equations import CellSource, StageData, StageSolution, interpolate_pressure, stretched
+from .finished import ROUNDING, FinalChanges, equations_of, surface_layer_depth, with_nodes
 from .lane_tension import tension_of_web
-from .lanes import LOAD, RHO, THETA, WEB, LaneBuildUp, TensionAt, wind_lanes
+from .lanes import LOAD, RHO, THETA, WEB, LaneBuildUp, TensionAt, stage_data, wind_lanes
 from .separation import solve_on_core
 from .stage_nodes import cell_source, kinks_of, nodes_between
 
@@ -420,8 +420,9 @@ def _solve(
         )
     except NotWoundError as stop:
         raise NotConverged(f"with lanes across the width {stop}") from None
-    P, Q = _finished(problem, wound, lanes)
-    r, functions = result.radius, wound.functions(wound.x)
+    x, (P, Q) = _finished(problem, wound, lanes)
+    r, functions = np.exp(x), wound.functions(x)
+    r[0], r[-1] = result.radius[[0, -1]]  # without the rounding error of exp(ln r)
     T, h, thickness = curve.at(r), float(problem.web_thickness), (1 + lanes.excess)[:, None]
     theta = _shared(functions[THETA], lanes.share * (1 + lanes.excess))
     tension = h * T * theta * thickness
@@ -460,22 +461,36 @@ def _shared(functions: Array, weight: Array) -> Array:
     return np.asarray(positive * (weight @ functions) / (weight @ positive))
 
 
-def _finished(problem: Any, wound: LaneBuildUp, lanes: Lanes) -> tuple[Array, Array]:
-    """Return P and Q of the lanes after the changes of the finished roll, (L, M) arrays [Pa]."""
+def _finished(problem: Any, wound: LaneBuildUp, lanes: Lanes) -> tuple[Array, tuple[Array, Array]]:
+    """Return the lanes after the changes of the finished roll, with nodes at the kinks of these.
+
+    Temperature and moisture of a layer are those at its radius in the mean roll.
+
+    Returns
+    -------
+    (M,) array
+        ln r of the nodes in the mean roll.
+    two (L, M) arrays
+        P and Q of the lanes [Pa].
+    """
     assert wound.data is not None
-    changes = FinalChanges(problem)
-    data = replace(
-        wound.data,
-        source=changes.added_to(wound.data.source, wound.data.x),
-        tension=wound.data.tension + changes.core,
+    changes, x, P, Q = FinalChanges(problem), wound.x, wound.P, wound.Q
+    X = wound.data.x.reshape(P.shape)
+    source = CellSource(
+        *(np.append(part, 0).reshape(P.shape)[:, :-1] for part in wound.data.source)
     )
-    found = solve_on_core(
-        equations_of(problem), data, wound.P.ravel(), wound.Q.ravel(), problem.core_removed
-    )
+    if changes.kinks.size:
+        x = with_nodes(wound.x, changes.kinks)
+        source = _between_nodes(source, wound.x, x)
+        X = x + np.array([np.interp(x, wound.x, shift) for shift in X - wound.x])
+        P, Q = interpolate_pressure(wound.x, P, Q, x)
+    tension = np.asarray(wound.data.tension + changes.core)
+    data = stage_data(X, changes.added_to(source, x), tension)
+    found = solve_on_core(equations_of(problem), data, P.ravel(), Q.ravel(), problem.core_removed)
     if found is None:
         raise NotConverged("no equilibrium of the lanes after the change of temperature or core")
     solved, _ = found
-    P, Q = solved.P.reshape(wound.P.shape), solved.Q.reshape(wound.P.shape)
+    P, Q = solved.P.reshape(P.shape), solved.Q.reshape(P.shape)
     loosest = np.unravel_index(np.argmin(P), P.shape)
     changed = bool(changes) or problem.core_removed
     if changed and P[loosest] < -ROUNDING * float(np.max(P)):
@@ -483,7 +498,35 @@ def _finished(problem: Any, wound: LaneBuildUp, lanes: Lanes) -> tuple[Array, Ar
         raise NotConverged(
             f"the layers of {place} separate: the changes after winding reduce the pressure to zero"
         )
-    return P, Q
+    return x, (P, Q)
+
+
+def _between_nodes(source: CellSource, x: Array, x_new: Array) -> CellSource:
+    """Return a source in the cells between more nodes, by the parabola through its values.
+
+    Parameters
+    ----------
+    source : CellSource
+        Of (L, n) arrays.
+    x, x_new : (n + 1,), (k + 1,) arrays
+        Nodes ln r, and nodes that divide some of the cells.
+
+    Returns
+    -------
+    CellSource
+        Of (L, k) arrays.
+    """
+    middle = (x_new[1:] + x_new[:-1]) / 2
+    cell = np.clip(np.searchsorted(x, middle) - 1, 0, x.size - 2)
+
+    def at(points: Array) -> Array:
+        """Return the source at one point of each new cell, (L, k)."""
+        t = (points - x[cell]) / (x[cell + 1] - x[cell])
+        left, centre, right = (part[:, cell] for part in source)
+        rise, bend = right - left, 2 * (left + right - 2 * centre)
+        return np.asarray(left + t * rise - t * (1 - t) * bend)
+
+    return CellSource(at(x_new[:-1]), at(middle), at(x_new[1:]))
 
 
 def _check_law(roll: LaneRoll, stack: Any) -> None:

@@ -66,7 +66,7 @@ from .growth import Growth
 from .lane_tension import TensionOfLanes
 from .stage_nodes import Tension, cell_source, kinks_of, nodes_between
 
-__all__ = ["LaneBuildUp", "TensionAt", "wind_lanes"]
+__all__ = ["LaneBuildUp", "TensionAt", "stage_data", "wind_lanes"]
 
 Array = np.ndarray
 # (x = ln s, c, mu, initial theta) -> tension of the lanes with rho = c - mu theta;

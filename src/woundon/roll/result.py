@@ -128,7 +128,8 @@ class RollResult(WithLanes, Result):
             from .solve import solve_wound_roll
 
             still = solve_wound_roll(self.problem.replace(web_speed=None), lanes=count)
-            return still.recompute_lanes()
+            assert still.lane_roll is not None  # the problem has a thickness profile
+            return still.lane_roll
         lanes = solve_lanes(self, build_up_of(self), self.problem, count=count)
         return lanes.with_finite_layers(abs(self.finite_layer_effect))
 

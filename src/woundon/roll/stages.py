@@ -165,10 +165,14 @@ def stages_at(
     return stages
 
 
-def wound_stage(result: Any) -> Stage:
-    """Return the roll as wound, while it still runs, at the nodes of the result.
+def wound_stage(result: Any, *, at_rest: bool = False) -> Stage:
+    """Return the roll as wound, before its changes after winding, at the nodes of the result.
 
-    It is the roll before the changes of the finished roll.
+    Parameters
+    ----------
+    result : RollResult
+    at_rest : bool
+        True for the stopped roll; by default it still runs.
 
     Raises
     ------
@@ -177,13 +181,16 @@ def wound_stage(result: Any) -> Stage:
     """
     problem, x = result.problem, np.log(result.radius)
     curve, equations = problem.tension_curve, equations_of(problem)
+    if at_rest:
+        equations = equations.at_rest
     data = StageData(x, cell_source(curve, result.kappa, x), float(curve.at(result.radius[:1])[0]))
     P = np.maximum(result.pressure, 0.0)  # changes after winding may separate layers
     solved = equations.solve(data, P, result.pressure_gradient)
     if solved is None:
         raise NotConverged("the roll as wound could not be solved", result)
     tension = float(curve.at(result.radius[-1:])[0]) * float(problem.web_thickness)
-    rotation = problem.centrifugal_stress, problem.centrifugal_tension
+    c = equations.centrifugal
+    rotation = c, c * float(problem.web_thickness)
     return Stage(result.radius, solved.P, solved.Q, tension, *rotation)
 
 

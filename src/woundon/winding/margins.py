@@ -40,7 +40,7 @@ from ..results import Presented
 from ..roll.gauge_band import gauge_band_over, lane_strain
 from ..roll.lane_roll import POSITION
 from ..roll.result import RollResult
-from ..roll.stages import Stage, stages_at
+from ..roll.stages import Stage, stages_at, wound_stage
 from .criteria import (
     coil_set,
     collapse_pressure,
@@ -529,12 +529,11 @@ def margins(
         must = f"must be {one_of((repr(RUNNING), repr(AT_REST)))}, or left out"
         raise InvalidProblem.at("motion", f"{quote(motion)} is out of range; {must}")
     torque_data, states = WindingTorque.of(result), _states(roll, motion)
-    # a roll that has left its core passes no torque to it, nor presses on it
-    on_core = (
-        [*states[:-1], _state(roll.as_wound, RUNNING if roll.problem.centrifugal_stress else "")]
-        if roll.is_off_core
-        else states
-    )
+    on_core = states
+    if roll.is_off_core:  # then it passes no torque to the core, nor presses on it
+        last = states[-1].motion
+        as_wound = wound_stage(roll, at_rest=last != RUNNING)
+        on_core = [*states[:-1], _state(as_wound, last)]
     worst: tuple[Margin, ...] = (
         _slip(on_core, roll, limits, torque_data),
         _compression(states, roll, limits),

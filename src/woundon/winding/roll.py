@@ -51,8 +51,7 @@ def wind(
     NoSteadyState
         For a tension that is not positive everywhere.
     """
-    roll = _roll_problem(problem, r, tension, film)
-    return solve_thin_layers(roll if rotates else roll.replace(web_speed=None), rtol)
+    return solve_thin_layers(_roll_problem(problem, r, tension, film, rotates=rotates), rtol)
 
 
 def recomputed(
@@ -81,8 +80,10 @@ def recompute_roll(result: Any) -> RollResult:
     return thin_layers.with_finite_layers()
 
 
-def _roll_problem(problem: WindingProblem, r: Array, tension: Array, film: float) -> RollProblem:
-    """Return the problem of the roll; reject a tension that is not positive."""
+def _roll_problem(
+    problem: WindingProblem, r: Array, tension: Array, film: float, *, rotates: bool = True
+) -> RollProblem:
+    """Return the problem of the roll; reject a tension that holds no layer on it."""
     smallest, force = int(np.argmin(tension)), problem.centrifugal_tension
     if not tension[smallest] > force:
         least = f"{force:.6g} [N/m], the centrifugal force of the web" if force else "0"
@@ -91,7 +92,7 @@ def _roll_problem(problem: WindingProblem, r: Array, tension: Array, film: float
             f"the wound-on tension falls to {tension[smallest]:.6g} [N/m] at the radius "
             f"{r[smallest]:.6g} [m]; must be > {least}, or no layer is wound on",
         )
-    return problem.wound_roll(_schedule(r, tension), film)
+    return problem.wound_roll(_schedule(r, tension), film, rotates=rotates)
 
 
 def _schedule(r: Array, tension: Array) -> float | Profile:
