@@ -413,16 +413,21 @@ def test_a_sweep_over_the_size_of_a_band():
     assert b[1] == pytest.approx(b[0], rel=0.05)
 
 
-LIMIT = 0.0017  # of the strain of a band
-OSCILLATIONS, SIZES = (0.0, 0.3), (0.25, 1.5)
+# Of the strain of a band.  Without a band it is 0.00155, on the core 0.00018 more by bending.
+LIMIT = 0.0019
+OSCILLATIONS, SIZES, SIZE = (0.0, 0.3), (0.6, 3.5), 2.0
 
 
 @pytest.fixture(scope="module")
 def wound() -> wo.WindingProblem:
-    """Return a winding whose wound-on tension is T_in + mu N, so that no nip is solved."""
+    """Return a winding whose wound-on tension is T_in + mu N, so that no nip is solved.
+
+    The web is so thin that its bending on the core leaves room for the strain of a band.
+    """
+    band = BAND.replace(thickness=np.array(BAND.thickness) * 20 / 66, variation=SIZE)
     return wo.WindingProblem.example().replace(
-        radius=0.07, tension_law="friction", web_tension=250.0, nip_load=500.0,
-        thickness_profile=BAND, limits=wo.Limits(yield_strain=LIMIT),
+        radius=0.07, tension_law="friction", web_tension=75.0, nip_load=150.0,
+        thickness_profile=band, limits=wo.Limits(yield_strain=LIMIT), **{"web.thickness": 20e-6},
     )  # fmt: skip
 
 
@@ -438,8 +443,8 @@ def window(wound) -> wo.OperatingWindow:
 def test_a_window_over_oscillation_and_the_size_of_a_band(window, wound):
     """Independent solutions between the nodes of the map: margins are those of the worst lane."""
     assert window.names == ("oscillation", "thickness_profile.variation")
-    assert window.margins == ("slip", "gauge_band")
-    for oscillation, size in ((0.05, 0.4), (0.12, 1.3), (0.22, 0.8), (0.28, 1.1)):
+    assert window.margins == ("slip", "gauge_band", "bending")
+    for oscillation, size in ((0.05, 1.0), (0.12, 3.0), (0.22, 1.9), (0.28, 2.6)):
         changes = {"oscillation": oscillation, "thickness_profile.variation": size}
         result = wo.solve(wound.replace(**changes), lanes=20)
         expected = 1 - result.worst_lane.strain / LIMIT
@@ -474,10 +479,10 @@ def test_the_boundary_of_a_window_is_the_oscillation_that_find_finds(window, wou
         wound, "oscillation", between=OSCILLATIONS, points=5, options={"lanes": 20},
         **{"worst_lane.strain": LIMIT},
     )  # fmt: skip
-    reserve, _ = window.at(found.value, 1.0).margins["gauge_band"]
+    reserve, _ = window.at(found.value, SIZE).margins["gauge_band"]
     assert reserve == pytest.approx(0.0, abs=0.01)  # as between the nodes
     # half of the draws of a friction of the same median: the probability is about a half
-    assert window.at(found.value, 1.0).probability == pytest.approx(0.5, abs=0.1)
+    assert window.at(found.value, SIZE).probability == pytest.approx(0.5, abs=0.1)
 
 
 @pytest.mark.slow
@@ -491,7 +496,7 @@ def test_the_figure_of_a_window_has_the_fields_on_its_axes(window, tmp_path):
     with units_of(["mill"]):
         figure = window.plot(tmp_path / "mill.png")
         assert figure.axes[0].get_xlabel().endswith("across the roll [in]")
-        assert "oscillation 11.8" in str(window)
+        assert re.search(r"at oscillation [\d.]+ in,", str(window))
     plt.close(figure)
     header = str(window.to_dataframe().columns.tolist())
     assert "'oscillation', 'thickness_profile.variation', 'probability'" in header

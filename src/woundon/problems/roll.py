@@ -26,7 +26,7 @@ from .schedules import (
     Schedule,
     Taper,
     WindingSchedule,
-    uncovered_ends,
+    misfits_on_roll,
     unused_in_tapers,
     values_of,
 )
@@ -352,8 +352,8 @@ class RollProblem(Problem):
         """Reject a tension that is not positive from the core to the surface."""
         schedule = self.wound_on_tension
         ends = self.core.radius, self.radius
-        if uncovered := list(uncovered_ends("wound_on_tension", schedule, *ends)):
-            raise InvalidProblem(uncovered)
+        if misfits := list(misfits_on_roll("wound_on_tension", schedule, *ends)):
+            raise InvalidProblem(misfits)
         for name, value in values_of(schedule).items():
             if not 0 < value <= 1e6:
                 text = f"{quote(value)} is out of range; must be > 0 and <= 1e+06 [N/m]"
@@ -384,8 +384,7 @@ class RollProblem(Problem):
                 if not abs(value) <= largest:
                     text = f"must be >= {-largest:g} and <= {largest:g} {unit}"
                     faults.append((f"{name}{part}", f"{quote(value)} is out of range; {text}"))
-            if isinstance(schedule, Profile):
-                faults += uncovered_ends(name, schedule, self.core.radius, self.radius)
+            faults += misfits_on_roll(name, schedule, self.core.radius, self.radius)
         if faults:
             raise InvalidProblem(faults)
 

@@ -43,8 +43,8 @@ __all__ = [
     "WindingSchedule",
     "as_schedule",
     "at_radius",
+    "misfits_on_roll",
     "schedule_fields",
-    "uncovered_ends",
     "unused_in_tapers",
     "values_of",
 ]
@@ -433,7 +433,7 @@ def values_of(schedule: AnySchedule) -> dict[str, float]:
     return {"": schedule}
 
 
-def uncovered_ends(
+def misfits_on_roll(
     name: str, schedule: AnySchedule, core: float, radius: float
 ) -> Iterator[tuple[str, str]]:
     """Yield (field, message) for what of a schedule does not fit a roll.

@@ -50,7 +50,7 @@ from .schedules import (
     Taper,
     WindingSchedule,
     as_schedule,
-    uncovered_ends,
+    misfits_on_roll,
     unused_in_tapers,
     values_of,
 )
@@ -493,7 +493,7 @@ class WindingProblem(Problem):
             for part, value in values_of(schedule).items()
             if not low <= value <= high
         ]
-        wrong += uncovered_ends(name, schedule, *self.ends)
+        wrong += misfits_on_roll(name, schedule, *self.ends)
         yield from wrong
         if isinstance(schedule, Taper) and not wrong:
             value = float(self.curve(name).at(np.array(self.radius)))

@@ -22,6 +22,7 @@ import numpy as np
 from .. import theories
 from ..nip.result import NipResult
 from ..results import Zone
+from ..roll.density import mean_over_length
 from ..winding.result import WindingResult
 from .report_parts import Section, output_row
 
@@ -94,17 +95,12 @@ def _load_shares(result: NipResult) -> tuple[float, float, float]:
 
 def winding_trade_rule(result: WindingResult) -> Section:
     """Return the section of the rule for a winding, averaged over the length of web."""
-    friction = _mean(result, result.problem.roll_friction * result.nip_load)
-    rule = friction + _mean(result, result.winding_force)
+    r = result.radius
+    friction = mean_over_length(r, result.problem.roll_friction * result.nip_load)
+    rule = friction + mean_over_length(r, result.winding_force)
     meaning = f"trade rule NIT = mu N{' + F' if result.winding_force.any() else ''}, mean"
     row = output_row(result, "mean_nip_induced_tension", rule, meaning=meaning)
     return Section(TITLE, (row,), _winding_reason(result, friction))
-
-
-def _mean(result: WindingResult, values: Array) -> float:
-    """Return the mean of a function of the radius over the length of web."""
-    r = result.radius
-    return float(np.trapezoid(values * r, r) / np.trapezoid(r, r))
 
 
 def _winding_reason(result: WindingResult, friction: float) -> str:
@@ -119,7 +115,7 @@ def _winding_reason(result: WindingResult, friction: float) -> str:
         return "The wound-on tension is that of this rule: tension_law = 'friction'."
     if law != "nip":
         return PRESCRIBED
-    roll_side = _mean(result, result.nip_induced_tension - result.winding_force)
+    roll_side = mean_over_length(result.radius, result.nip_induced_tension - result.winding_force)
     if result.front is not None:
         roll_side -= result.mean_front_added_tension
     if result.rider is not None:

@@ -28,7 +28,13 @@ import numpy as np
 
 from .finished import FinalChanges
 
-__all__ = ["density_during_winding", "finished_density", "volume", "wound_length"]
+__all__ = [
+    "density_during_winding",
+    "finished_density",
+    "mean_over_length",
+    "volume",
+    "wound_length",
+]
 
 Array = np.ndarray
 GAUSS = 4  # points of a cell
@@ -79,6 +85,17 @@ def finished_density(result: Any) -> Array:
     du_dr = _winding_strains(result, r)[0] + radial_strain
     volume_ratio = (1 + result.displacement / r) * (1 + du_dr)
     return np.asarray(density_during_winding(result, r) / volume_ratio)
+
+
+def mean_over_length(r: Array, values: Array) -> float:
+    """Return the mean of values at radii, (k,) each, over the length of web between them.
+
+    The length of a layer is proportional to its radius r: int v r dr/int r dr by the trapezoidal
+    rule.  It is the value at a single radius, and 0 without any.
+    """
+    if r.size < 2:
+        return float(values[0]) if r.size else 0.0
+    return float(np.trapezoid(values * r, r) / np.trapezoid(r, r))
 
 
 def wound_length(result: Any) -> float:

@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from .growth import Growth
 
 __all__ = [
+    "FEWEST_CELLS",
+    "ROUNDING",
     "FinalChanges",
     "core_gap",
     "equations_of",
@@ -54,7 +56,7 @@ Array = np.ndarray
 # 1e-5 of the largest.  The nodes are E_c/E_t apart there; closer ones differ by rounding in ln r.
 SOFTEST_CORE = 1e7
 SAME = 1e-9  # of ln r: nodes closer together are one
-FEWEST_CELLS = 23  # of a zone between open layers
+FEWEST_CELLS = 23  # of a stage, and of a zone between open layers
 # Pressure below zero, relative to the largest one, that is a rounding error: layers in contact.
 ROUNDING = 1e-9
 

@@ -26,7 +26,7 @@ from .equations import (
     joined,
     stretched,
 )
-from .finished import equations_of, finished_arrays, surface_layer_depth
+from .finished import FEWEST_CELLS, equations_of, finished_arrays, surface_layer_depth
 from .stage_nodes import cell_source, kinks_of, nodes_between
 
 if TYPE_CHECKING:
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 __all__ = ["Stage", "stage_arrays", "stages_at", "stresses_between", "wound_stage"]
 
 Array = np.ndarray
-FEWEST_CELLS = 23
 
 
 class Stage(NamedTuple):
@@ -67,9 +66,8 @@ class Stage(NamedTuple):
 def stresses_between(result: Any, radius: ArrayLike, *, running: bool = False) -> dict[str, Any]:
     """Return ``pressure`` and ``hoop_stress`` [Pa] at radii [m], with the shape of ``radius``.
 
-    With ``running`` they are those of the finished roll while it still runs.
-
-    P and Q = r dP/dr are interpolated between the nodes; the hoop stress is -(P + Q).
+    P and Q = r dP/dr are interpolated between the nodes; the hoop stress is -(P + Q).  With
+    ``running`` they are those of the finished roll while it still runs, see :class:`Stage`.
     """
     r = _radii_on_roll(result, radius)
     if running:

@@ -13,6 +13,7 @@ from ..problems.bodies import Body
 from ..problems.schedules import Curve
 from ..problems.winding import WindingProblem
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest, positive
+from ..roll.density import mean_over_length
 from ..roll.result import RollResult
 from ..roll.stages import stages_at
 from .bodies import effective_cylinder, effective_pressure, hardening_roll, linear_cylinder
@@ -167,9 +168,8 @@ def _air_film_residual(result: Any) -> float:
     """Return the difference of the air film from the mean film of the nips, over thickness."""
     if not result.problem.has_nip:
         mean = mean_foil_film(result.problem)
-        return abs(result.air_film - mean) / float(result.problem.web.thickness)
-    r, h = result.nip_radius, result.nip_air_film
-    mean = float(np.trapezoid(h * r, r) / np.trapezoid(r, r)) if r.size > 1 else 0.0
+    else:
+        mean = mean_over_length(result.nip_radius, result.nip_air_film)
     return abs(result.air_film - mean) / float(result.problem.web.thickness)
 
 

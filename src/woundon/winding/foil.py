@@ -6,6 +6,7 @@ import numpy as np
 
 from ..nip.air_films import escaped_film, foil_film
 from ..problems.winding import WindingProblem
+from ..roll.density import mean_over_length
 
 __all__ = ["mean_foil_film"]
 
@@ -26,4 +27,4 @@ def mean_foil_film(problem: WindingProblem) -> float:
     T = np.maximum(problem.at("web_tension", r) - problem.centrifugal_tension, 0.0)
     film = foil_film(r, speed, T, problem.air.viscosity)
     film = escaped_film(film, problem.air.permeance, T, speed)
-    return float(np.trapezoid(film * r, r) / np.trapezoid(r, r))
+    return mean_over_length(r, film)

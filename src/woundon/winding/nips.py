@@ -14,6 +14,7 @@ from ..nip.solve import solve_nip, solve_with_film
 from ..problems.bodies import Body
 from ..problems.nip import NipProblem
 from ..problems.winding import WindingProblem
+from ..roll.density import mean_over_length
 from ..roll.result import RollResult
 from ..roll.stages import Stage, stages_at
 from .bodies import NipSample, predicted_nip, solved_nip, with_exponents
@@ -159,7 +160,7 @@ class Nips:
             return 0.0
         r = np.array(sorted(self.films))
         h = np.array([self.films[radius] for radius in r.tolist()])
-        return float(np.trapezoid(h * r, r) / np.trapezoid(r, r)) if r.size > 1 else float(h[0])
+        return mean_over_length(r, h)
 
     def warnings(self) -> tuple[str, ...]:
         """Return the warnings of the nips, each kind once, with its radii."""

@@ -12,6 +12,7 @@ import numpy as np
 from ..problems.winding import WindingProblem
 from ..quantities import Quantity, length, line_load, pure, share, stress
 from ..results import Residuals, Result
+from ..roll.density import mean_over_length
 from ..roll.lane_roll import LANES, LaneRoll, WithLanes
 from ..roll.result import RollResult
 from .bodies import NipSample
@@ -211,16 +212,14 @@ class WindingResult(WithMargins, WithLanes, Result):
         self,
     ) -> Annotated[float, line_load("WOT_m", "wound-on tension, mean over the length of web")]:
         """Mean of WOT over the web's length [N/m]."""
-        r = self.radius
-        return float(np.trapezoid(self.wound_on_tension * r, r) / np.trapezoid(r, r))
+        return mean_over_length(self.radius, self.wound_on_tension)
 
     @property
     def mean_nip_induced_tension(
         self,
     ) -> Annotated[float, line_load("NIT_m", "nip-induced tension, mean over the length of web")]:
         """Mean of NIT over the web's length [N/m]."""
-        r = self.radius
-        return float(np.trapezoid(self.nip_induced_tension * r, r) / np.trapezoid(r, r))
+        return mean_over_length(self.radius, self.nip_induced_tension)
 
     @property
     def mean_front_added_tension(
@@ -245,10 +244,10 @@ class WindingResult(WithMargins, WithLanes, Result):
         The mean nip load is that over the web's length; see :meth:`.Bending.even_crown`.  nan
         without ``drum_bending``.
         """
-        problem, r = self.problem, self.radius
+        problem = self.problem
         if problem.drum_bending is None or problem.thickness_profile is None:
             return float("nan")
-        load = float(np.trapezoid(self.nip_load * r, r) / np.trapezoid(r, r))
+        load = mean_over_length(self.radius, self.nip_load)
         beams = [problem.drum_bending, problem.core_bending]
         width = problem.thickness_profile.width
         return float(sum(beam.even_crown(load, width) for beam in beams if beam is not None))
@@ -257,8 +256,7 @@ class WindingResult(WithMargins, WithLanes, Result):
         """Return the mean over the length of web of the tension that a nip adds [N/m]."""
         if drum is None:
             return float("nan")
-        r = self.nip_radius
-        return float(np.trapezoid(drum.added_tension * r, r) / np.trapezoid(r, r))
+        return mean_over_length(self.nip_radius, drum.added_tension)
 
     @property
     def core_pressure(self) -> Annotated[float, stress("P_c", "pressure on the core")]:
