@@ -467,7 +467,7 @@ LEFT_OUT = {
     "gauge_band": "shear between lanes, by which the neighbours take part of the load, the "
     "curvature of the layers, creep, how long the lane stays at its strain",
     "bending": "hardening and creep of the web, strain by the pressure of nip and roll, rollers of "
-    "smaller radius upstream",
+    "smaller radius upstream, lanes that are thicker or wound tighter than the mean",
     "slack": "baggy lanes and tension that is uneven across the width or in time, flutter",
     "drum_slip": "torques at a start or stop, rolling resistance of covers and rider, worn drums",
 }
