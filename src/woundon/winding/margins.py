@@ -123,10 +123,10 @@ class Margin:
         Effects that the criterion neglects.
     note : str
         Stage of the worst value, source of the limit, or reason why there is none.
-    hint : str
-        Advice to enlarge the margin.
     over_radius, values : (K,) arrays
         Radii [m], and the worst value at each over all evaluated stages.
+    hint : str
+        Advice to enlarge the margin.
 
     Examples
     --------
@@ -146,9 +146,9 @@ class Margin:
     quantity: Quantity
     left_out: str
     note: str = ""
-    hint: str = ""
     over_radius: Array = field(default_factory=lambda: np.zeros(0), compare=False, repr=False)
     values: Array = field(default_factory=lambda: np.zeros(0), compare=False, repr=False)
+    hint: str = ""
 
     @property
     def checked(self) -> bool:
