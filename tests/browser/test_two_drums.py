@@ -66,3 +66,5 @@ def test_a_centre_winder_without_a_nip_has_the_torque_of_its_core_drive(look):
     tension = seen.output("mean_wound_on_tension")
     assert tension == pytest.approx(result.mean_wound_on_tension, rel=1e-6)
     assert "largest torque of the core drive" in page.text_content("body")
+    assert page.locator("sub", has_text="k,max").count() == 2  # of torque and power
+    assert "a drum" not in page.inner_text(".margins")

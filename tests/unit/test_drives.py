@@ -222,6 +222,11 @@ def test_the_report_and_the_panels_show_torque_and_power(problem: wo.WindingProb
         curve = next(c for c in panels[panel].make(result).curves if c.name == f"{name}.{panel}")
         np.testing.assert_array_equal(curve.x, result.drive_radius)
         np.testing.assert_array_equal(curve.y, output)
+    # drums that share the power equally are both visible
+    power = panels["power"].make(result).curves
+    assert len({curve.line for curve in power if "drum" in curve.label}) == len(
+        [curve for curve in power if "drum" in curve.label]
+    )
     assert "torque" not in panels_of(wo.solve(problem.replace(width=None), rtol=1e-2))
 
 

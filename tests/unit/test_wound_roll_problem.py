@@ -7,6 +7,7 @@ import pytest
 
 import woundon as wo
 from woundon.problems.schedules import Curve
+from woundon.report.result_panels import panels_of
 
 ROLL = wo.RollProblem.example()
 
@@ -244,3 +245,22 @@ def test_poissons_ratio_must_leave_the_energy_definite():
         wo.solve(roll.replace(**{"stack.poissons_ratio": 9.0}))
     permitted = float(str(fault.value).split("(1/2) = ")[1].split(",")[0])
     assert permitted == pytest.approx(largest, rel=0.1)
+
+
+def test_report_and_panels_of_a_roll_without_its_core():
+    roll = wo.solve(wo.RollProblem.example().replace(core_removed=True), rtol=1e-2)
+    text = str(roll)
+    assert "ressure on the core" not in text  # there is none: zero would mislead
+    assert text.splitlines()[0].startswith("Largest pressure ")
+    assert "hoop stress at the bore -" in text.splitlines()[0]
+    assert "Other theories" not in text  # that of the roll as wound
+
+
+def test_the_axis_shows_the_compression_as_wound():
+    """A roll that shrinks through its stack loses most of its compression."""
+    shrunk = wo.RollProblem.example().replace(temperature_change=-40.0, radial_expansion=8e-4)
+    roll = wo.solve(shrunk, rtol=1e-2)
+    panel = panels_of(roll)["hoop_stress"].make(roll)
+    before = next(curve for curve in panel.curves if curve.name == "hoop_stress_as_wound")
+    assert before.y.min() < 2 * roll.least_hoop_stress
+    assert panel.y.cut[0] < before.y.min()

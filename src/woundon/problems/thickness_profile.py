@@ -30,6 +30,7 @@ Array = np.ndarray
 # Relative to the mean.  Webs vary by a few per cent; other values are errors of the table.
 THINNEST, THICKEST = 0.5, 1.5
 THICKEST_WEB = 0.1  # [m]; a larger thickness is relative
+ROUNDING = 1e-12  # relative thickness
 MOST_LANES = 10_000  # as many as a profile has positions at most
 MOST_MOVED = 10.0  # amplitude of an oscillation [m]
 NARROW_LANES = 2000  # on which the extremes of an oscillating profile are found
@@ -212,6 +213,7 @@ class ThicknessProfile(Description):
         if self.slack is not None:
             slack = means_between(self.position, self.slack, ends, oscillation)
         excess = self.variation * (thickness / np.mean(thickness) - 1)
+        excess[np.abs(excess) < ROUNDING] = 0.0  # an even web is even
         middle, shares = (ends[1:] + ends[:-1]) / 2, np.full(count, 1 / count)
         return Lanes(middle, shares, excess - np.mean(excess), slack)
 

@@ -176,6 +176,7 @@ MILL = {
     "GPa": "ksi",
     "m/s": "fpm",
     "m/min": "fpm",
+    "m/s^2": "ft/s^2",
     "kg/m": "lb/ft",
     "kg/m^3": "lb/ft^3",
     "N*m^2": "lbf*in^2",

@@ -14,6 +14,7 @@ from ..problems.description import is_unset
 from ..problems.problem import Problem
 from ..quantities import in_chosen_units, walk
 from ..results import Result
+from ..roll.result import RollResult
 from ..winding.result import WindingResult
 from .contacts_report import contact_sentences
 from .margins_report import verdict_lines
@@ -57,7 +58,11 @@ def main_outputs(result: Result) -> dict[str, str]:
     """
     if isinstance(result, NipResult | WindingResult):
         return {}
-    names = _of_rollers(result) if isinstance(result, RollerResult) else result.MAIN
+    names = result.MAIN
+    if isinstance(result, RollerResult):
+        names = _of_rollers(result)
+    elif isinstance(result, RollResult) and result.problem.core_removed:
+        names = OFF_CORE
     known = quantities.scalar_outputs(result)
     return _words(
         result,
@@ -132,7 +137,9 @@ WORDS = {
     "mean_wound_on_tension": "mean wound-on tension",
     "mid_pressure": "halfway to the surface",  # next to the pressure on the core
     "least_hoop_stress": "minimum hoop stress",
+    "bore_hoop_stress": "hoop stress at the bore",
 }
+OFF_CORE = ("peak_pressure", "bore_hoop_stress")  # of a roll without a core
 
 
 def _of_rollers(result: RollerResult) -> tuple[str, ...]:

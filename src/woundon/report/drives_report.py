@@ -30,6 +30,8 @@ RADII = 5  # that the table shows
 # scalar outputs, which the section below the table has
 DRIVE_OUTPUTS = tuple(f"{drive}.largest_{what}" for drive in DRIVES for what in ("torque", "power"))
 COLOURS = dict(zip(DRIVES, ("roll", "drum", "green"), strict=True))
+# of the power, which two drums may share equally
+LINES = {"front_drive": "dashed"}
 
 
 def _named_drives(result: WindingResult) -> dict[str, tuple[str, Drive]]:
@@ -121,7 +123,8 @@ def torque_panel(result: WindingResult) -> Panel:
             curves.append(
                 Curve("", result.drive_radius, faster, "M", label, COLOURS[name], line="dashed")
             )
-    y = Axis("Torque", quantity_of(result, f"{next(iter(_named_drives(result)))}.torque"))
+    quantity = quantity_of(result, f"{next(iter(_named_drives(result)))}.torque")
+    y = Axis("Torque", quantity, from_zero=True)
     return over_radius(result.radius, "torque", "Torque of the drives", y, curves, legend="right")
 
 
@@ -129,8 +132,15 @@ def power_panel(result: WindingResult) -> Panel:
     """Return the panel of the power of the drives at constant web speed."""
     drives = _named_drives(result)
     curves = [
-        Curve.of_output(result, f"{name}.power", result.drive_radius, words, COLOURS[name])
+        Curve.of_output(
+            result,
+            f"{name}.power",
+            result.drive_radius,
+            words,
+            COLOURS[name],
+            LINES.get(name, "solid"),
+        )
         for name, (words, _) in drives.items()
     ]
-    y = Axis("Power", quantity_of(result, f"{next(iter(drives))}.power"))
+    y = Axis("Power", quantity_of(result, f"{next(iter(drives))}.power"), from_zero=True)
     return over_radius(result.radius, "power", "Power of the drives", y, curves, legend="right")

@@ -64,8 +64,8 @@ def _line(line: Line) -> str:
 def symbol_html(symbol: str) -> str:
     """Return a symbol with Greek letters, index and exponent; quotients have a symbol on each side.
 
-    >>> symbol_html("mu+ p"), symbol_html("T_in")
-    ('<i>&mu;</i><sup>+</sup> <i>p</i>', '<i>T</i><sub>in</sub>')
+    >>> symbol_html("mu+ p"), symbol_html("T_in"), symbol_html("M_k,max")
+    ('<i>&mu;</i><sup>+</sup> <i>p</i>', '<i>T</i><sub>in</sub>', '<i>M</i><sub>k,max</sub>')
     """
     return " ".join("/".join(map(_symbol, word.split("/"))) for word in symbol.split(" "))
 

@@ -23,6 +23,7 @@ STRUCK = 0.1
 DRAWN = 0.15  # height of the largest ridge in the drawing of the roll, of its radius
 ENLARGEMENTS = (1, 2, 5)  # times a power of ten
 MARGIN = 0.06  # below and above curves, of their range
+EVEN = (1e-3, 1e-6)  # ends of the axes of thickness [1] and ridges [m] that are zero everywhere
 GAP = 0.06  # of the width, between the end of the roll and the bar of the scale
 # Symbol, label and colour of the loads of several nips, and of several deflections.
 DRUMS = {
@@ -115,8 +116,8 @@ def thickness_across(result: Any) -> Panel:
 
 
 def _with_one_zero(*curves: Array) -> list[Limits]:
-    """Return the ends of axes, one for each curve, with their zeros at one height."""
-    sizes = [float(np.max(np.abs(curve))) or 1.0 for curve in curves]
+    """Return the ends of the axes of thickness and ridges, with their zeros at one height."""
+    sizes = [float(np.max(np.abs(curve))) or even for curve, even in zip(curves, EVEN, strict=True)]
     parts = np.concatenate([curve / size for curve, size in zip(curves, sizes, strict=True)])
     margin = MARGIN * (float(np.ptp(parts)) or 1.0)
     low, high = float(parts.min()) - margin, float(parts.max()) + margin
@@ -242,13 +243,14 @@ def _of_drums(
 ) -> Panel:
     """Return the panel of variables of drums on the lanes of the finished roll.
 
-    ``drums`` has their names with symbol, label and colour; one curve alone is not labelled.
+    ``drums`` has their names with symbol, label and colour; the load of one nip alone is not
+    labelled.
     """
     lanes, curves = result.lanes, []
     variables = [variable for variable in drums if variable in lanes]
     for variable in variables:
         symbol, label_of_drum, colour = drums[variable]
-        if len(variables) == 1:
+        if variables == ["nip_load"]:
             symbol, label_of_drum = LANE_QUANTITIES[variable].symbol, ""
         values = lanes[variable].values[-1]
         curves.append(Curve(variable, lanes.position.values, values, symbol, label_of_drum, colour))

@@ -27,7 +27,6 @@ NAMES = (
     "strain",
     "ridge_height",
 )
-EXACT = 12  # digits of a deviation
 # outputs that the section shows; the rest is in its text
 WORST_LANE = frozenset(f"worst_lane.{name}" for name in (*NAMES, "slack_share"))
 
@@ -62,8 +61,7 @@ def lanes_sections(result: Any) -> Iterator[Section]:
 def _range(meaning: str, symbol: str, excess: Array) -> list[Row]:
     """Return the rows of the smallest and the largest deviation of the thickness."""
     return [
-        # the deviations of an even web are rounding errors
-        row_of(share(symbol, f"{word} {meaning}"), round(float(value), EXACT) + 0.0)
+        row_of(share(symbol, f"{word} {meaning}"), float(value))
         for word, value in (("smallest", excess.min()), ("largest", excess.max()))
     ]
 

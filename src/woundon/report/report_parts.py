@@ -61,7 +61,7 @@ DIGITS = 5  # significant ones of a value
 _GREEK_NAMES = "alpha beta gamma delta Delta eps kappa mu nu omega rho sigma tau theta xi"
 GREEK = frozenset(_GREEK_NAMES.split())
 # factor, letter, number, index and sign of "2a", "mu+", "s_l+", "K1"
-SYMBOL = re.compile(r"(\d*)([A-Za-z]+?)(\d*)(?:_(\w+))?([+-]?)")
+SYMBOL = re.compile(r"(\d*)([A-Za-z]+?)(\d*)(?:_(\w+(?:,\w+)*))?([+-]?)")
 
 
 @dataclass(frozen=True)

@@ -201,12 +201,13 @@ def _stress_of_layers(
     r, quantity = radii_between(roll), quantity_of(roll, name)
     values = thickness * hoop_stress_at(roll)
     lowest = thickness * roll.least_hoop_stress
-    y = Axis(label, quantity, cut=cut_above(lowest, values, BELOW, ABOVE))
     shade = Area("compression", r, low=np.minimum(values, 0), high=0 * r, shade="drum")
     curves = [Curve(name, r, values, quantity.symbol)]
     if _has_changed(roll):
         as_wound = thickness * roll.as_wound.stresses_at(r)[1]
         curves = _before_and_after(roll, name, r, as_wound, curves[0])
+        lowest = min(lowest, float(as_wound.min()))
+    y = Axis(label, quantity, cut=cut_above(lowest, values, BELOW, ABOVE))
     return with_compression(over_radius(roll.radius, name, title, y, curves, height=2.8), shade)
 
 

@@ -75,6 +75,10 @@ def roll_report(result: RollResult) -> list[Part]:
     stages, nodes = result.stage_radius.size - 1, r.size
     cost = f"{stages} stages, {nodes} nodes, {result.steps} linear systems"
     names = [name for name in NAMES if problem.density is not None or name not in OF_DENSITY]
+    left_out = LEFT_OUT
+    if problem.core_removed:  # without a core there is no pressure on it
+        names.remove("core_pressure")
+        left_out = left_out | {"core_pressure"}
     # a stress at core and surface, as a tension per width
     tensions = problem.tension_curve.at(r[[0, -1]]) * problem.web_thickness
     changes = [
@@ -101,7 +105,7 @@ def roll_report(result: RollResult) -> list[Part]:
         ),
         Section(
             "Wound roll",
-            rows_of(result, names, leave=LEFT_OUT, **notes),
+            rows_of(result, names, leave=left_out, **notes),
             thin_layers_note(result) + _compression_note(result),
         ),
         *([Section("Changes of the finished roll", tuple(changes))] if changes else []),
@@ -193,8 +197,13 @@ def _gauge_band(result: RollResult) -> Iterator[Section]:
 
 
 def _other_theories(result: RollResult) -> Iterator[Section]:
-    """Yield the plateau pressure for a roll with Pfeiffer's law and constant tension."""
+    """Yield the plateau pressure for a roll with Pfeiffer's law and constant tension.
+
+    The theory has neither later changes of the roll nor centrifugal force.
+    """
     problem = result.problem
+    if result.is_changed or problem.centrifugal_stress:
+        return
     tension, law = problem.wound_on_tension, problem.stack.radial
     if not isinstance(tension, float) or not isinstance(law, Pfeiffer):
         return

@@ -91,6 +91,12 @@ HINTS = {
     "bending": "use a larger core, a thinner web, or less tension at the core",
     "drum_slip": "let the other drum carry more of the torque, or increase the rider load",
 }
+# In place of these, of a winding without a nip.
+HINTS_WITHOUT_NIP = {
+    "slip": "accelerate more slowly, wind tighter, or use a nip",
+    "blocking": "reduce the web tension, or taper it towards the surface",
+    "strength": "reduce the web tension",
+}
 ALIKE = 1e-3  # relative difference below which stages count as equal: their default error
 
 
@@ -119,6 +125,8 @@ class Margin:
         Stage of the worst value, source of the limit, or reason why there is none.
     over_radius, values : (K,) arrays
         Radii [m], and the worst value at each over all evaluated stages.
+    hint : str
+        Advice to enlarge the margin.
 
     Examples
     --------
@@ -140,6 +148,7 @@ class Margin:
     note: str = ""
     over_radius: Array = field(default_factory=lambda: np.zeros(0), compare=False, repr=False)
     values: Array = field(default_factory=lambda: np.zeros(0), compare=False, repr=False)
+    hint: str = ""
 
     @property
     def checked(self) -> bool:
@@ -155,11 +164,6 @@ class Margin:
     def title(self) -> str:
         """The name used in practice, e.g. "interlayer slip and telescoping"."""
         return TITLES.get(self.name, self.name)
-
-    @property
-    def hint(self) -> str:
-        """Advice to enlarge the margin."""
-        return HINTS.get(self.name, "")
 
     @property
     def distance(self) -> str:
@@ -467,7 +471,7 @@ LEFT_OUT = {
     "gauge_band": "shear between lanes, by which the neighbours take part of the load, the "
     "curvature of the layers, creep, how long the lane stays at its strain",
     "bending": "hardening and creep of the web, strain by the pressure of nip and roll, rollers of "
-    "smaller radius upstream, lanes that are thicker or wound tighter than the mean",
+    "smaller radius upstream, tension that is uneven across the width",
     "slack": "baggy lanes and tension that is uneven across the width or in time, flutter",
     "drum_slip": "torques at a start or stop, rolling resistance of covers and rider, worn drums",
 }
@@ -542,11 +546,13 @@ def margins(
         _strength(states[-1], roll, limits, torque_data),
         _slack(roll, limits, torque_data),
         _gauge_band(roll, limits),
-        _bending(roll, limits),
+        _bending(roll, limits, result.lanes),
         *_drum_slip(result),
     )
     if (lanes := result.lanes) is not None:
         worst = tuple(_of_worst_lane(margin, lanes) for margin in worst)
+    if not getattr(result.problem, "has_nip", True):
+        worst = tuple(map(_without_nip, worst))
     named_grade = result.problem.named_grade
     return Margins(_with_source(margin, roll.problem, named_grade) for margin in worst)
 
@@ -575,6 +581,7 @@ LANES_LEFT_OUT = {
         "tension that is uneven in time",
     ),
     "gauge_band": ("the curvature of the layers, ", ""),
+    "bending": (", tension that is uneven across the width", ", shear between lanes"),
 }
 
 
@@ -588,21 +595,19 @@ def _of_worst_lane(margin: Margin, lanes: Any) -> Margin:
     lanes : xarray.Dataset
         See :attr:`RollResult.lanes`.
     """
-    if margin.name not in LANE_VALUES:  # the torque is carried by the whole width
+    if margin.name not in LANES_LEFT_OUT:  # the torque is carried by the whole width
+        return margin
+    left_out = margin.left_out.replace(*LANES_LEFT_OUT[margin.name])
+    margin = replace(margin, left_out=left_out)
+    if margin.name not in LANE_VALUES:  # bending, of the worst lane already
         return margin
     values = LANE_VALUES[margin.name](lanes)
     least = margin.name == "slack"
     radius, lane = np.unravel_index(np.argmin(values) if least else np.argmax(values), values.shape)
     worst = float(values[radius, lane])
-    left_out = margin.left_out.replace(*LANES_LEFT_OUT[margin.name])
-    margin = replace(margin, left_out=left_out)
     if margin.name != "gauge_band" and (worst >= margin.value if least else worst <= margin.value):
         return margin
-    excess, position = float(lanes.thickness_excess[lane]), float(lanes.position[lane])
-    place = (
-        f"in the lane at {POSITION.stored_text(position, '.4g')} across the web, "
-        f"{abs(100 * excess):.2g} % {'thicker' if excess > 0 else 'thinner'} than the mean"
-    )
+    place = _place_of_lane(lanes, int(lane))
     note = margin.note.replace(EVEN, "").strip("; ")
     return replace(
         margin,
@@ -612,6 +617,35 @@ def _of_worst_lane(margin: Margin, lanes: Any) -> Margin:
         values=values.min(axis=1) if least else values.max(axis=1),
         note="; ".join(filter(None, (place, note))),
     )
+
+
+def _place_of_lane(lanes: Any, lane: int) -> str:
+    """Return the place of a lane across the web and its thickness, as text."""
+    excess, position = float(lanes.thickness_excess[lane]), float(lanes.position[lane])
+    thickness = "as thick as the mean"
+    if excess:
+        word = "thicker" if excess > 0 else "thinner"
+        thickness = f"{abs(100 * excess):.2g} % {word} than the mean"
+    return f"in the lane at {POSITION.stored_text(position, '.4g')} across the web, {thickness}"
+
+
+# Phrases on the nip in what the criteria neglect, and their replacements without a nip.
+NIP_LEFT_OUT = {
+    "slip": (", the slip under the nip", ""),
+    "strength": ("bending and shear in the nip, ", ""),
+    "bending": ("pressure of nip and roll", "pressure of the roll"),
+}
+
+
+def _without_nip(margin: Margin) -> Margin:
+    """Return a margin of a winding without a nip, whose texts do not mention one."""
+    left_out = margin.left_out.replace(*NIP_LEFT_OUT.get(margin.name, ("", "")))
+    left_out = left_out.replace(", the drum's help at a start or stop", "")
+    quantity = margin.quantity
+    if margin.name == "slack":
+        quantity = replace(quantity, meaning="minimum web tension")
+    hint = HINTS_WITHOUT_NIP.get(margin.name, margin.hint)
+    return replace(margin, left_out=left_out, quantity=quantity, hint=hint)
 
 
 def _with_source(margin: Margin, problem: RollProblem, named_grade: Grade | None) -> Margin:
@@ -686,6 +720,7 @@ def _margin(
         quantity=quantity,
         left_out=LEFT_OUT[name],
         note="; ".join(filter(None, (worst.occasion, remark))),
+        hint=HINTS[name],
         over_radius=worst.r,
         values=worst.values,
     )
@@ -868,21 +903,31 @@ def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
     return _margin("gauge_band", worst, limits.yield_strain, BAND, note=note)
 
 
-def _bending(roll: RollResult, limits: Limits) -> Margin:
-    """Return the margin of the strain at the outer face of the web, with a note on its coil set."""
-    r, limit = roll.radius, limits.yield_strain
+def _bending(roll: RollResult, limits: Limits, lanes: Any) -> Margin:
+    """Return the margin of the strain at the outer face of the web, with a note on its coil set.
+
+    With ``lanes``, see :attr:`RollResult.lanes`, it is that of the lane with the largest strain.
+    """
+    r, bent, limit, place = roll.radius, roll.bending_strain, limits.yield_strain, ""
     wound = roll.problem.tension_curve.at(r) / roll.problem.stack.tangential
-    strains = wound + roll.bending_strain
+    strains = wound + bent
+    if lanes is not None:
+        r = lanes.radius.values
+        bent = roll.problem.web_thickness / (2 * r)
+        of_lanes = lanes.band_strain.values + bent[:, None]  # over radius and position
+        lane = int(np.argmax(of_lanes.max(axis=0)))
+        wound, strains = lanes.band_strain.values[:, lane], of_lanes.max(axis=1)
+        place = _place_of_lane(lanes, lane)
     k = int(np.argmax(strains))
-    worst = _WorstValue(float(strains[k]), float(r[k]), occasion="", r=r, values=strains)
+    worst = _WorstValue(float(strains[k]), float(r[k]), occasion=place, r=r, values=strains)
     if limit is None:
         note = NO_LIMIT
     elif wound[k] >= limit:
         note = "the tension alone exceeds it"
-    elif kept := coil_set(float(wound[k]), float(roll.bending_strain[k]), limit):
+    elif kept := coil_set(float(wound[k]), float(bent[k]), limit):
         curl = POSITION.stored_text(float(r[k]) / kept, ".3g")
         note = f"there the web keeps a curl of {curl} radius"
-        if roll.bending_strain[k] > 2 * limit:
+        if bent[k] > 2 * limit:
             note += ", and it yields again when it is straightened"
     else:
         note = ""

@@ -5,7 +5,7 @@ const GREEK = {
   alpha: "α", beta: "β", delta: "δ", Delta: "Δ", eps: "ε", gamma: "γ", kappa: "κ", mu: "μ", nu: "ν",
   rho: "ρ", sigma: "σ", tau: "τ", theta: "θ", xi: "ξ", omega: "ω",
 };
-const FORM = /^(\d*)([A-Za-z]+?)(\d*)(?:_(\w+))?([+-]?)$/;
+const FORM = /^(\d*)([A-Za-z]+?)(\d*)(?:_(\w+(?:,\w+)*))?([+-]?)$/;
 
 function parts(symbol) {
   const found = FORM.exec(symbol);
