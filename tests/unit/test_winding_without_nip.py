@@ -149,6 +149,14 @@ def test_what_needs_a_drum_is_rejected_without_one(changes: dict[str, Any]):
     assert names <= {"drum", "drum_friction", *changes}
 
 
+def test_a_winder_without_a_rear_drum_names_it_once():
+    winder = wo.TwoDrums(front_drum=wo.Rigid(radius=0.25), gap=0.02, rider_load=2500.0)
+    with pytest.raises(wo.InvalidProblem) as fault:
+        ALONE.replace(winder=winder, nip_load=None)
+    names = [name for name, _ in fault.value.faults]
+    assert names.count("drum") == names.count("drum_friction") == 1
+
+
 def test_a_roll_too_small_for_its_film_is_rejected_by_a_field_that_was_entered():
     problem = ALONE.replace(radius=0.055, web_speed=40.0, web_tension=1.0, air=AIR, density=None)
     with pytest.raises(

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import InitVar
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, one_of
 from ..quantities import Quantity, length, pure, share, strain, stress, tension, thickness_of_web
 from .air_law import AirBetween
 from .assumptions import of_roll
@@ -457,7 +457,21 @@ class RollProblem(Problem):
             *super().input_warnings,
             *self.stack.input_warnings("stack"),
             *warnings_across(self, self.web_thickness),
+            *self._unused_changes(),
         )
+
+    def _unused_changes(self) -> Iterator[str]:
+        """Yield a warning for each change of the finished roll that is given without effect."""
+        if self.core_removed:
+            for name in OF_CORE:
+                if getattr(self, name):
+                    yield f"{name} is not used, as core_removed = true"
+        for change, (_, coefficients) in FREE_STRAINS.items():
+            if getattr(self, change) != 0 and not any(getattr(self, name) for name in coefficients):
+                yield f"{change} is not used, as {one_of(coefficients, 'and')} are 0"
+        if self.web_speed and self.density is None:
+            text = f"web_speed = {self.web_speed:.6g} m/s is not used"
+            yield f"{text}: without density the centrifugal force of the web is neglected"
 
     @property
     def _law_of_web(self) -> RadialLaw:
