@@ -152,7 +152,7 @@ def test_what_needs_a_drum_is_rejected_without_one(changes: dict[str, Any]):
 def test_a_winder_without_a_rear_drum_names_it_once():
     winder = wo.TwoDrums(front_drum=wo.Rigid(radius=0.25), gap=0.02, rider_load=2500.0)
     with pytest.raises(wo.InvalidProblem) as fault:
-        ALONE.replace(winder=winder, nip_load=None)
+        ALONE.replace(winder=winder)
     names = [name for name, _ in fault.value.faults]
     assert names.count("drum") == names.count("drum_friction") == 1
 
