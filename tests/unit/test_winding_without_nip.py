@@ -125,6 +125,16 @@ def test_a_case_file_gives_the_problem_back():
     assert "drum" in kept.unused
 
 
+@pytest.mark.parametrize("ending", ["json", "nc"])
+def test_a_roll_whose_layers_carry_no_friction_comes_back_from_a_file(tmp_path, ending: str):
+    """Its margin of slip is -inf, which no file holds."""
+    problem = ALONE.replace(radius=0.1, web_tension=350.0, web_speed=5.0, air=AIR)
+    result = wo.solve(problem, rtol=1e-2)
+    assert result.margins.slip == -np.inf
+    result.save(tmp_path / f"roll.{ending}")
+    assert wo.load_result(tmp_path / f"roll.{ending}") == result
+
+
 def test_the_report_and_the_panels_name_no_drum():
     result = wo.solve(ALONE.replace(width=2.0, web_speed=10.0, air=AIR), rtol=1e-2)
     text = str(result)
