@@ -104,6 +104,8 @@ def test_the_margins_of_a_released_roll_are_those_on_its_core_and_of_the_finishe
 
 def test_a_core_is_there_or_removed():
     assert ROLL.replace(core_removed="true").core_removed is True
+    assert ROLL.replace(core_removed="TRUE").core_removed is True  # of a spreadsheet
+    assert ROLL.replace(core_removed="False").core_removed is False
     with pytest.raises(wo.InvalidProblem, match=r"core_removed: .* must be .*false.* or .*true"):
         ROLL.replace(core_removed="maybe")
     with pytest.raises(wo.InvalidProblem, match=r"core_removed: .* must be"):
