@@ -25,7 +25,7 @@ from .messages import quote
 from .paths import field_or_none
 from .thickness_profile import means_between
 
-__all__ = ["BENDING", "Bending", "DrumBending", "bends", "faults_of_bending"]
+__all__ = ["BENDING", "Bending", "DrumBending", "bends", "faults_of_bending", "too_soft"]
 
 Array = np.ndarray
 # Fields of a winding.
@@ -92,6 +92,11 @@ class Bending(Description):
             P [N/m].
         width : float
             W [m].
+
+        Raises
+        ------
+        InvalidProblem
+            For what is no finite number >= 0.
         """
         for name, value, unit in (("nip_load", nip_load, "N/m"), ("width", width, "m")):
             try:
@@ -101,26 +106,10 @@ class Bending(Description):
             if not is_valid:
                 text = f"{quote(value)} is out of place; must be a finite number >= 0 [{unit}]"
                 raise InvalidProblem.at(name, text)
-        bent, sheared = self._deflections_of_unit_rigidity(nip_load, width)
+        bent, sheared = _deflections_of_unit_rigidity(self.bearing_distance, nip_load, width)
         if self.shear_rigidity is None:
             return float(bent / self.flexural_rigidity)
         return float(bent / self.flexural_rigidity + sheared / self.shear_rigidity)
-
-    def _deflections_of_unit_rigidity(self, nip_load: float, width: float) -> tuple[float, float]:
-        """Return the crown for E I = 1 N m^2 without shear, and that for kappa G A = 1 N by it."""
-        bent = width**3 * (self.bearing_distance / 16 + 5 * width / 384)
-        return nip_load * bent, nip_load * width**2 / 8
-
-    def too_soft(self, nip_load: float, width: float) -> Iterator[tuple[str, str]]:
-        """Yield (field, message) for a rigidity too small for a nip load [N/m] on a width [m]."""
-        deflections = self._deflections_of_unit_rigidity(nip_load, width)
-        rigidities = ("flexural_rigidity", "[N*m^2]"), ("shear_rigidity", "[N]")
-        for (name, unit), deflection in zip(rigidities, deflections, strict=True):
-            rigidity, least = getattr(self, name), deflection / MOST_BENT
-            if rigidity is not None and rigidity < least:
-                text = f"{quote(rigidity)} is out of range; must be >= {least:.3g} {unit}, or"
-                bends = f"a uniform nip load of {nip_load:.6g} [N/m] bends it by more than"
-                yield name, f"{text} {bends} {MOST_BENT:g} [m]"
 
 
 class DrumBending(Bending):
@@ -216,6 +205,26 @@ class DrumBending(Bending):
         across = (ends - ends[0]) / (ends[-1] - ends[0])
         integral = 2 * across**2 - 4 * across**3 / 3
         return np.asarray(self.crown * np.diff(integral) / np.diff(across))
+
+
+def _deflections_of_unit_rigidity(
+    bearing_distance: float, nip_load: float, width: float
+) -> tuple[float, float]:
+    """Return the deflections (:meth:`.Bending.even_crown`) of E I = 1 N m^2, of kappa G A = 1 N."""
+    bent = width**3 * (bearing_distance / 16 + 5 * width / 384)
+    return nip_load * bent, nip_load * width**2 / 8
+
+
+def too_soft(beam: Bending, nip_load: float, width: float) -> Iterator[tuple[str, str]]:
+    """Yield (field, message) for a rigidity too small for a nip load [N/m] on a width [m]."""
+    deflections = _deflections_of_unit_rigidity(beam.bearing_distance, nip_load, width)
+    rigidities = ("flexural_rigidity", "[N*m^2]"), ("shear_rigidity", "[N]")
+    for (name, unit), deflection in zip(rigidities, deflections, strict=True):
+        rigidity, least = getattr(beam, name), deflection / MOST_BENT
+        if rigidity is not None and rigidity < least:
+            text = f"{quote(rigidity)} is out of range; must be >= {least:.3g} {unit}, or"
+            bends_it = f"a uniform nip load of {nip_load:.6g} [N/m] bends it by more than"
+            yield name, f"{text} {bends_it} {MOST_BENT:g} [m]"
 
 
 def bends(problem: Any) -> bool:

@@ -14,7 +14,7 @@ from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import length, line_load, pure, tension, velocity
 from .air import Air, with_film
 from .assumptions import of_winding
-from .bending import Bending, DrumBending, bends, faults_of_bending
+from .bending import Bending, DrumBending, bends, faults_of_bending, too_soft
 from .bodies import Body, OptionalBody, Rigid
 from .consistency import different_moduli
 from .contact_problem import unused_speed
@@ -585,7 +585,7 @@ class WindingProblem(Problem):
             bending = field_or_none(self, name)
             if bending is not None:
                 largest, width = float(np.max(load)), self.thickness_profile.width
-                for field, text in bending.too_soft(largest, width):
+                for field, text in too_soft(bending, largest, width):
                     yield f"{name}.{field}", text
 
     def _friction_capacity(self, P: Array, T: Array) -> tuple[float | Array, float | Array]:
