@@ -356,7 +356,7 @@ def schedule_fields(problem: type[BaseModel]) -> dict[str, Quantity]:
 
     >>> import woundon as wo
     >>> list(schedule_fields(wo.RollProblem))
-    ['wound_on_tension']
+    ['wound_on_tension', 'temperature_change', 'moisture_change']
     """
     fields = {
         name: quantity_of(field)
