@@ -236,6 +236,34 @@ def test_set_points_that_are_rejected(ranges, message):
         wo.operating_window(winding(), **ranges, uncertain={"roll_friction": 0.1})
 
 
+@pytest.mark.parametrize(
+    ("changes", "ranges", "message"),
+    [
+        (
+            {"winding_force": wo.Profile(radius=[0.05, 0.15], value=[0, -50])},
+            {"winding_force": (-50, -10)},
+            "winding_force: is 0 at the core; must not be 0",
+        ),
+        (
+            {"torque_split": wo.Steps(value=[0, 0.5], depth=[0.02])},
+            {"torque_split": (0.1, 0.5)},
+            "torque_split: is 0 at the core; must not be 0",
+        ),
+        ({}, {"tension_law": (300, 400)}, "tension_law: 'friction' is not a number"),
+        ({"nip_load": 0.0}, {"torque_split": (0, 0.5)}, "torque_split: has no effect"),
+        ({"nip_load": 0.0}, {"winding_force": (-5, 5)}, "winding_force: has no effect"),
+        (
+            {"density": None, "web_speed": 10.0},
+            {"web_speed": (10, 20)},
+            "web_speed: has no effect",
+        ),
+    ],
+)
+def test_schedules_that_have_no_set_point(changes, ranges, message):
+    with pytest.raises(wo.InvalidProblem, match=message):
+        wo.operating_window(winding(**changes), T, vary=ranges, uncertain={"core.stiffness": 0.1})
+
+
 def test_spreads_are_required_without_a_grade():
     problem = wo.WindingProblem.example()
     with pytest.raises(wo.InvalidProblem, match="uncertain: missing"):

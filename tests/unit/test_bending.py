@@ -70,6 +70,25 @@ def test_rejected_drums(fields, message):
             {**TWO_DRUMS, "winder": TWO_DRUMS["winder"].replace(rider_bending=DRUM)},
             r"winder\.rider_bending: is given without winder\.rider",
         ),
+        ({"core_bending": DRUM}, "core_bending: DrumBending is out of place; must be Bending"),
+        # P (5 W^4/384 + b W^3/16)/EI <= 0.1 m: 2000 N/m, b = 0.2 m
+        (
+            {"drum_bending.flexural_rigidity": 1e-300},
+            r"drum_bending\.flexural_rigidity: 1e-300 .*>= 1\.21e\+04 \[N\*m\^2\]",
+        ),
+        # P W^2/(8 kappa G A) <= 0.1 m
+        (
+            {"drum_bending.shear_rigidity": 1.0},
+            r"drum_bending\.shear_rigidity: 1 .*>= 1\.44e\+04 \[N\]",
+        ),
+        (
+            {
+                **TWO_DRUMS,
+                "winder": TWO_DRUMS["winder"].replace(front_bending=DRUM),
+                "winder.front_bending.flexural_rigidity": 1.0,
+            },
+            r"winder\.front_bending\.flexural_rigidity: 1 .* nip load of .* bends it",
+        ),
     ],
 )
 def test_rejected_windings(changes, message):
@@ -90,6 +109,20 @@ def test_the_mean_height_of_a_crown_in_lanes():
         means = drum.heights(middles, edges=(0.3, 2.7)).reshape(12, 500).mean(axis=1)
         # the midpoint rule errs by about 1/(24 500^2) of the change of slope
         assert drum.mean_heights(ends) == pytest.approx(means, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("3 kN/m", W), r"nip_load: '3 kN/m' .*must be a finite number >= 0 \[N/m\]"),
+        ((-1.0, W), "nip_load: -1 "),
+        ((3000.0, None), r"width: None .*\[m\]"),
+        ((3000.0, np.nan), "width: nan "),
+    ],
+)
+def test_loads_and_widths_without_a_crown(arguments, message):
+    with pytest.raises(wo.InvalidProblem, match=message):
+        DRUM.even_crown(*arguments)
 
 
 def test_the_crown_of_an_even_load():

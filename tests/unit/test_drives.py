@@ -206,6 +206,18 @@ def test_moments_of_inertia_with_units():
     assert "inertia" in problem.replace(width=None).unused
 
 
+def test_moments_of_inertia_without_effect_are_warned_of():
+    given = {"inertia": wo.Inertia(core=3.0, drum=2.0, rider=1.0)}
+    problem = BASE.replace(**given)
+    assert [text.split()[0] for text in problem.input_warnings] == ["inertia.rider"]
+    assert not TWO_DRUMS.replace(**given).input_warnings
+    for changes in ({"width": None}, {"web_speed": None}, {"web_speed": 0.0}):
+        assert any(t.startswith("inertia is") for t in problem.replace(**changes).input_warnings)
+    alone = problem.replace(nip_load=0.0, drum=None, drum_friction=None)
+    names = {text.split()[0] for text in alone.input_warnings}
+    assert names == {"inertia.drum", "inertia.rider"}
+
+
 @pytest.mark.parametrize("problem", [BASE, TWO_DRUMS], ids=["centre", "two drums"])
 def test_the_report_and_the_panels_show_torque_and_power(problem: wo.WindingProblem):
     moving = problem.replace(inertia=wo.Inertia(drum=20.0), **{"limits.acceleration": 0.5})
@@ -234,3 +246,5 @@ def test_a_speed_has_an_effect_with_a_width():
     texts = WITHOUT_MASS.replace(width=None).input_warnings
     assert any("web_speed" in text for text in texts)
     assert not any("web_speed" in text for text in WITHOUT_MASS.input_warnings)
+    assert "web_speed" in WITHOUT_MASS.replace(width=None).unused
+    assert "web_speed" not in WITHOUT_MASS.unused

@@ -110,6 +110,13 @@ def test_steps_with_units_are_read_where_a_field_holds_them():
         WINDING.replace(torque_split=wo.Steps(value=["450 N/m", "300 N/m"], depth=[0.02]))
 
 
+def test_a_ramp_longer_than_the_build_up_is_named():
+    steps = wo.Steps(value=[450.0, 350.0], depth=[0.02], ramp=0.6)
+    with pytest.raises(wo.InvalidProblem, match=r"web_tension\.ramp: 0\.6 .* < 0\.55 \[m\]") as f:
+        WINDING.replace(web_tension=steps)
+    assert len(f.value.faults) == 1
+
+
 def test_a_set_point_scales_all_steps():
     problem = WINDING.replace(web_tension=HARD_CORE)
     scaled = problem.replace(**with_value(problem, "web_tension", 225.0))

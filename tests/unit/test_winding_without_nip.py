@@ -126,6 +126,16 @@ def test_a_case_file_gives_the_problem_back():
     assert {"drum", "drum_friction"} <= set(kept.unused)
 
 
+@pytest.mark.parametrize("ending", ["json", "nc"])
+def test_a_roll_whose_layers_carry_no_friction_comes_back_from_a_file(tmp_path, ending: str):
+    """Its margin of slip is -inf, which no file holds."""
+    problem = ALONE.replace(radius=0.1, web_tension=350.0, web_speed=5.0, air=AIR)
+    result = wo.solve(problem, rtol=1e-2)
+    assert result.margins.slip == -np.inf
+    result.save(tmp_path / f"roll.{ending}")
+    assert wo.load_result(tmp_path / f"roll.{ending}") == result
+
+
 def test_the_report_and_the_panels_name_no_drum():
     limits = wo.Limits(blocking_pressure=1e3, web_strength=100.0, yield_strain=1e-4)
     result = wo.solve(ALONE.replace(width=2.0, web_speed=10.0, air=AIR, limits=limits), rtol=1e-2)
@@ -153,6 +163,14 @@ def test_what_needs_a_drum_is_rejected_without_one(changes: dict[str, Any]):
         ALONE.replace(**changes)
     names = {name for name, _ in fault.value.faults}
     assert names <= {"drum", "drum_friction", *changes}
+
+
+def test_a_winder_without_a_rear_drum_names_it_once():
+    winder = wo.TwoDrums(front_drum=wo.Rigid(radius=0.25), gap=0.02, rider_load=2500.0)
+    with pytest.raises(wo.InvalidProblem) as fault:
+        ALONE.replace(winder=winder)
+    names = [name for name, _ in fault.value.faults]
+    assert names.count("drum") == names.count("drum_friction") == 1
 
 
 def test_a_roll_too_small_for_its_film_is_rejected_by_a_field_that_was_entered():

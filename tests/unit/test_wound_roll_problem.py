@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -103,12 +105,34 @@ def test_the_margins_of_a_released_roll_are_those_on_its_core_and_of_the_finishe
 
 def test_a_core_is_there_or_removed():
     assert ROLL.replace(core_removed="true").core_removed is True
+    assert ROLL.replace(core_removed="TRUE").core_removed is True  # of a spreadsheet
+    assert ROLL.replace(core_removed="False").core_removed is False
     with pytest.raises(wo.InvalidProblem, match=r"core_removed: .* must be .*false.* or .*true"):
         ROLL.replace(core_removed="maybe")
     with pytest.raises(wo.InvalidProblem, match=r"core_removed: .* must be"):
         ROLL.replace(core_removed=1)
     with pytest.raises(wo.InvalidProblem, match=r"core_removed: .*only a RollProblem has it"):
         wo.WindingProblem.example().replace(core_removed=True)
+
+
+@pytest.mark.parametrize(
+    ("changes", "unused"),
+    [
+        ({"core_removed": True, "core_shrinkage": 1e-3}, "core_shrinkage"),
+        ({"core_removed": True, "temperature_change": 5, "core_expansion": 1e-5}, "core_expansion"),
+        ({"moisture_change": -0.02}, "moisture_change"),
+        ({"temperature_change": {"radius": [0.04, 0.2], "value": [0, 5]}}, "temperature_change"),
+        ({"web_speed": 20.0, "density": None}, "web_speed"),
+    ],
+)
+def test_changes_without_effect_are_warned_of(changes: dict[str, Any], unused: str):
+    problem = ROLL.replace(**changes)
+    assert [text.split()[0] for text in problem.input_warnings] == [unused]
+    assert " is not used" in problem.input_warnings[0]
+    used = {
+        "core_removed": False, "density": 700.0, "radial_swelling": 0.5, "radial_expansion": 1e-5
+    }  # fmt: skip
+    assert not problem.replace(**used).input_warnings
 
 
 def test_a_thin_ring_of_few_layers_collapses():

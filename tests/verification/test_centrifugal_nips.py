@@ -82,6 +82,24 @@ def test_the_capstan_relation_of_a_running_web():
         problem.replace(web_tension=78.0)
 
 
+@pytest.mark.parametrize("law", ["nip", "friction"])
+def test_a_winding_whose_web_is_slack_on_the_drum_wrap(law: str):
+    problem = wo.WindingProblem.example().replace(tension_law=law, drum_wrap=1.0, web_speed=60.0)
+    # 680 kg/m^3 x 66 um x (60 m/s)^2 = 161.6 N/m; 245 N/m remain at the surface
+    with pytest.raises(
+        wo.NoSteadyState, match=r"web_tension: 245 .* 0\.6 \[m\] .*> 287\.232 \[N/m\]"
+    ):
+        problem.replace(web_speed=80.0)
+    assert problem.replace(drum_wrap=0.0, web_speed=80.0).centrifugal_tension > 245
+
+
+def test_a_given_tension_below_the_centrifugal_force_is_named():
+    law = wo.Profile(radius=[0.05, 0.12], value=[400, 400])
+    problem = wo.WindingProblem.example().replace(radius=0.12, tension_law=law, web_speed=100.0)
+    with pytest.raises(wo.NoSteadyState, match=r"tension_law: .* 400 .*> 448\.8"):
+        wo.solve(problem)
+
+
 def test_a_web_that_its_centrifugal_force_lifts_off_the_roll():
     # 0.19 x 100 N/m is less than 78 N/m
     light = NIP.replace(**RUNNING, nip_load=100.0, web_tension=20.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import inf
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -19,15 +20,17 @@ from .fields import (
     check_rising,
     default,
 )
+from .inputs import NotANumber, real_number
 from .messages import quote
 from .paths import field_or_none
 from .thickness_profile import means_between
 
-__all__ = ["BENDING", "Bending", "DrumBending", "bends", "faults_of_bending"]
+__all__ = ["BENDING", "Bending", "DrumBending", "bends", "faults_of_bending", "too_soft"]
 
 Array = np.ndarray
 # Fields of a winding.
 BENDING = ("drum_bending", "core_bending", "winder.front_bending", "winder.rider_bending")
+MOST_BENT = 0.1  # deflection [m] by a uniform nip load, the largest crown; beams bend far less
 ROUNDED = 1e-9  # of the width, by which a table of a crown may miss the edges of the web
 
 
@@ -89,10 +92,24 @@ class Bending(Description):
             P [N/m].
         width : float
             W [m].
+
+        Raises
+        ------
+        InvalidProblem
+            For what is no finite number >= 0.
         """
-        bent = width**3 * (self.bearing_distance / 16 + 5 * width / 384) / self.flexural_rigidity
-        sheared = 0.0 if self.shear_rigidity is None else width**2 / (8 * self.shear_rigidity)
-        return float(nip_load * (bent + sheared))
+        for name, value, unit in (("nip_load", nip_load, "N/m"), ("width", width, "m")):
+            try:
+                is_valid = 0 <= real_number(value) < inf
+            except NotANumber:
+                is_valid = False
+            if not is_valid:
+                text = f"{quote(value)} is out of place; must be a finite number >= 0 [{unit}]"
+                raise InvalidProblem.at(name, text)
+        bent, sheared = _deflections_of_unit_rigidity(self.bearing_distance, nip_load, width)
+        if self.shear_rigidity is None:
+            return float(bent / self.flexural_rigidity)
+        return float(bent / self.flexural_rigidity + sheared / self.shear_rigidity)
 
 
 class DrumBending(Bending):
@@ -190,6 +207,26 @@ class DrumBending(Bending):
         return np.asarray(self.crown * np.diff(integral) / np.diff(across))
 
 
+def _deflections_of_unit_rigidity(
+    bearing_distance: float, nip_load: float, width: float
+) -> tuple[float, float]:
+    """Return the deflections (:meth:`.Bending.even_crown`) of E I = 1 N m^2, of kappa G A = 1 N."""
+    bent = width**3 * (bearing_distance / 16 + 5 * width / 384)
+    return nip_load * bent, nip_load * width**2 / 8
+
+
+def too_soft(beam: Bending, nip_load: float, width: float) -> Iterator[tuple[str, str]]:
+    """Yield (field, message) for a rigidity too small for a nip load [N/m] on a width [m]."""
+    deflections = _deflections_of_unit_rigidity(beam.bearing_distance, nip_load, width)
+    rigidities = ("flexural_rigidity", "[N*m^2]"), ("shear_rigidity", "[N]")
+    for (name, unit), deflection in zip(rigidities, deflections, strict=True):
+        rigidity, least = getattr(beam, name), deflection / MOST_BENT
+        if rigidity is not None and rigidity < least:
+            text = f"{quote(rigidity)} is out of range; must be >= {least:.3g} {unit}, or"
+            bends_it = f"a uniform nip load of {nip_load:.6g} [N/m] bends it by more than"
+            yield name, f"{text} {bends_it} {MOST_BENT:g} [m]"
+
+
 def bends(problem: Any) -> bool:
     """Return whether a drum or the core of a problem is a beam."""
     return any(field_or_none(problem, name) is not None for name in BENDING)
@@ -210,6 +247,8 @@ def faults_of_bending(problem: Any) -> Iterator[tuple[str, str]]:
             yield name, "needs tension_law = 'nip', which computes the stiffness of the nip"
         if not problem.has_nip:
             yield name, "is given with nip_load = 0; must be left out without a nip"
+        if name == "core_bending" and isinstance(bending, DrumBending):
+            yield name, "DrumBending is out of place; must be Bending: a core has no crown"
         if name == "core_bending" and winder is not None:
             text = "is given together with winder; must be left out"
             yield name, f"{text}: the roll lies on the drums"

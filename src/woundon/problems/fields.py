@@ -63,8 +63,8 @@ FLAGS = (
 
 def _flag(value: Any) -> bool:
     """Return a truth value, or one of its texts, as a bool."""
-    if isinstance(value, str) and value in FLAGS:
-        return value == FLAGS[True]
+    if isinstance(value, str) and value.lower() in FLAGS:  # spreadsheets write TRUE
+        return value.lower() == FLAGS[True]
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
     raise InvalidProblem(not_one_of(value, FLAGS))

@@ -474,8 +474,10 @@ class RollProblem(Problem):
             if getattr(self, change) != 0 and not self._strains_by(change):
                 zero = coefficients[:2] if self.core_removed else coefficients
                 yield f"{change} is not used, as {one_of(zero, 'and')} are 0"
-        if self.core_removed and self.core_shrinkage:
-            yield "core_shrinkage is not used, as core_removed is true"
+        if self.core_removed:
+            for name in OF_CORE:
+                if getattr(self, name):
+                    yield f"{name} is not used, as core_removed = true"
 
     @property
     def _law_of_web(self) -> RadialLaw:

@@ -450,6 +450,10 @@ def misfits_on_roll(
     """
     if isinstance(schedule, Steps):
         largest = radius - core - schedule.ramp
+        if largest <= 0:
+            text = f"{quote(schedule.ramp)} is out of range; must be < {radius - core:.6g} [m]"
+            yield f"{name}.ramp", f"{text}, the build-up of the roll"
+            return
         for k, depth in enumerate(schedule.depth):
             if not is_within(depth, 0.0, largest):
                 text = f"{quote(depth)} is out of range; must be <= {largest:.6g} [m]"

@@ -14,7 +14,7 @@ from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import length, line_load, pure, tension, velocity
 from .air import Air, with_film
 from .assumptions import of_winding
-from .bending import Bending, DrumBending, faults_of_bending
+from .bending import Bending, DrumBending, bends, faults_of_bending, too_soft
 from .bodies import Body, OptionalBody, Rigid
 from .consistency import different_moduli
 from .contact_problem import unused_speed
@@ -336,6 +336,8 @@ class WindingProblem(Problem):
             raise InvalidProblem(faults)
         if self.winder is not None:
             self._check_drum_loads(self.winder)
+        if faults := list(self._beams_too_soft()):
+            raise InvalidProblem(faults)
         if self.tension_law in ("nip", "friction") and self.has_nip:
             self._check_steady_state()
         return self
@@ -354,7 +356,7 @@ class WindingProblem(Problem):
         if self.nip_load is None and self.winder is None:
             yield "nip_load", "missing; must be given [N/m], 0 without a nip, or a winder"
         for name in ("drum", "drum_friction"):
-            if getattr(self, name) is None and self.has_nip and self.nip_load is not None:
+            if getattr(self, name) is None and self.nip_load and self.winder is None:
                 yield name, "missing; must be given, unless nip_load = 0: winding without a nip"
         if not self.has_nip:
             yield from self._forces_without_nip()
@@ -470,6 +472,8 @@ class WindingProblem(Problem):
             texts.append(unused_speed("web_speed", self.web_speed))
         if self.drum is not None and not self.has_nip:
             texts.append("drum is not used, as nip_load = 0")
+        if self.inertia is not None:
+            texts += self._warnings_of_inertia(self.inertia)
         return tuple(texts)
 
     def _faults_of(self, name: str) -> Iterator[tuple[str, str]]:
@@ -566,6 +570,23 @@ class WindingProblem(Problem):
                 f"{-capacity[k]:.6g} and < {capacity[k]:.6g} [N/m] there, the friction capacity; "
                 "otherwise the front drum slips",
             )
+
+    def _beams_too_soft(self) -> Iterator[tuple[str, str]]:
+        """Yield (field, message) for drums and a core that bend too far under their nip loads."""
+        if self.thickness_profile is None or not bends(self):
+            return
+        r = self.radii(CHECKED_RADII)
+        loads = dict.fromkeys(("drum_bending", "core_bending"), self.at("nip_load", r))
+        if self.winder is not None:
+            of_drums = self.drum_loads(r)
+            loads["winder.front_bending"] = of_drums.front_load
+            loads["winder.rider_bending"] = of_drums.rider_load
+        for name, load in loads.items():
+            bending = field_or_none(self, name)
+            if bending is not None:
+                largest, width = float(np.max(load)), self.thickness_profile.width
+                for field, text in too_soft(bending, largest, width):
+                    yield f"{name}.{field}", text
 
     def _friction_capacity(self, P: Array, T: Array) -> tuple[float | Array, float | Array]:
         """Return the limits of the winding force under P and T_in, (k,) arrays [N/m]."""
@@ -785,12 +806,14 @@ class WindingProblem(Problem):
             *unused_in_tapers(self, SCHEDULES),
             *(() if hardens else ("stack.shear_exponent",)),
             *(() if self.torque_split is None else ("winding_force",)),
+            *(() if self.has_nip else ("winding_force", "torque_split")),
             *(() if solves_nips else OF_NIP if self.winder is None else OF_NIP_ALONE),
             *(("oscillation",) if self.thickness_profile is None else ()),
             *(() if solves_nips or self.winder is not None else ("drum",)),
             *(() if self.has_nip else ("drum_friction",)),
             *(() if self._uses_speed else ("web_speed",)),
             *self._unused_inertia,
+            *(() if self._speed_has_effect or self.width is not None else ("web_speed",)),
         )
 
     @property
@@ -798,9 +821,20 @@ class WindingProblem(Problem):
         """Moments of inertia on which no drive depends in this case."""
         if self.width is None or not self.web_speed:
             return ("inertia",)
+        if not self.has_nip:
+            return "inertia.drum", "inertia.front_drum", "inertia.rider"
         if self.winder is None:
             return "inertia.front_drum", "inertia.rider"
         return () if self.winder.rider is not None else ("inertia.rider",)
+
+    def _warnings_of_inertia(self, inertia: Inertia) -> Iterator[str]:
+        """Yield a warning for each moment of inertia that is given without effect."""
+        if self.width is None or not self.web_speed:
+            yield "inertia is not used: torques of the drives need width and web_speed > 0"
+            return
+        for name in self._unused_inertia:
+            if getattr(inertia, name.removeprefix("inertia.")):
+                yield f"{name} is not used, as the winding has no such drum"
 
     @property
     def assumptions(self) -> tuple[str, ...]:

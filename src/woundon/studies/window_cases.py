@@ -156,6 +156,13 @@ def _range_of(problem: WindingProblem, name: str, ends: Any) -> tuple[float, flo
             quantity = field_quantity(problem, name)
             must = f">= {least:g} and <= {most:g}{in_brackets(quantity.unit) if quantity else ''}"
             raise InvalidProblem.at(name, f"{quote(outside[0])} is out of range; must be {must}")
+        schedule = get_field(problem, name)
+        if isinstance(schedule, Profile | Steps):
+            if float(problem.curve(name).at(np.array(problem.core.radius))) == 0.0:
+                text = "is 0 at the core; must not be 0 there, as its values are scaled to those of"
+                raise InvalidProblem.at(name, f"{text} the range")
+        elif isinstance(schedule, str):  # the name of a law of the wound-on tension
+            varied_number(problem, name)
     else:
         varied_number(problem, name)
         for end in (low, high):

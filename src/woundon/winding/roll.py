@@ -88,7 +88,7 @@ def _roll_problem(
     if not tension[smallest] > force:
         least = f"{force:.6g} [N/m], the centrifugal force of the web" if force else "0"
         raise NoSteadyState.at(
-            "web_tension",
+            "tension_law" if isinstance(problem.tension_law, Profile) else "web_tension",
             f"the wound-on tension falls to {tension[smallest]:.6g} [N/m] at the radius "
             f"{r[smallest]:.6g} [m]; must be > {least}, or no layer is wound on",
         )
