@@ -115,11 +115,14 @@ def test_a_core_is_there_or_removed():
         wo.WindingProblem.example().replace(core_removed=True)
 
 
+HEATED: dict[str, Any] = {"temperature_change": 5, "radial_expansion": 1e-5}
+
+
 @pytest.mark.parametrize(
     ("changes", "unused"),
     [
         ({"core_removed": True, "core_shrinkage": 1e-3}, "core_shrinkage"),
-        ({"core_removed": True, "temperature_change": 5, "core_expansion": 1e-5}, "core_expansion"),
+        (HEATED | {"core_removed": True, "core_expansion": 1e-5}, "core_expansion"),
         ({"moisture_change": -0.02}, "moisture_change"),
         ({"temperature_change": {"radius": [0.04, 0.2], "value": [0, 5]}}, "temperature_change"),
         ({"web_speed": 20.0, "density": None}, "web_speed"),
