@@ -343,9 +343,11 @@ def solve_lanes(
 
     A lane has the mean thickness of its part of the width.  Further lanes without a share of the
     width, which do not affect the others, have the extreme thicknesses of the profile, and lie at
-    the edges and in the middle of the web if a drum bends: the difference of their worst values
-    from those of the lanes is the error of the number of lanes.  The stages add their tolerance, or
-    their largest error where that exceeds it, and the mean roll its own.
+    the edges and in the middle of the web if a drum bends.  The error of the number of lanes is the
+    difference of the worst values from theirs or, if larger, from those of half as many lanes:
+    the lanes that carry a load share it otherwise if they are wider.  The latter is Richardson's
+    estimate of order two with the factor of safety 3.  The stages add their tolerance, or their
+    largest error where that exceeds it, and the mean roll its own.
 
     Parameters
     ----------
@@ -376,16 +378,18 @@ def solve_lanes(
     together = Lanes(*(np.concatenate(pair) for pair in zip(lanes, extremes, strict=True)))
     solved = _solve(result, build_up, together, nips, tolerance)
     roll = solved.of_lanes(lanes)
+    coarse = _solve(result, build_up, profile.lanes(count // 2, oscillation), nips, tolerance)
     _check_law(roll, result.problem.stack)
     of_mean = result.errors.get("peak_pressure", np.nan) / result.peak_pressure
     errors = {}
     for part in fields(WorstLane):
-        value, extreme = (getattr(each.worst, part.name) for each in (roll, solved))
+        value, *others = (getattr(each.worst, part.name) for each in (roll, solved, coarse))
+        of_lanes = max(abs(value - other) for other in others)
         # the tolerance of the tension is relative to that of the mean web, which is given
         scale = roll.worst.tension if part.name == "least_tension" else abs(value)
         of_stages = max(tolerance, roll.stage_error) * scale
         of_roll = of_mean * abs(value) if part.name in PRESSURES else 0.0
-        errors[f"worst_lane.{part.name}"] = abs(value - extreme) + of_stages + of_roll
+        errors[f"worst_lane.{part.name}"] = of_lanes + of_stages + of_roll
     # the boundary of a slack part lies anywhere within a lane
     is_partly_slack = 0 < roll.worst.slack_share < 1 or solved.worst.least_tension == 0
     errors["worst_lane.slack_share"] = float(np.max(lanes.share)) if is_partly_slack else 0.0
