@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import base64
 import itertools
+import json
 import re
+import time
+import zlib
 from pathlib import Path
 
 import pytest
@@ -72,6 +76,11 @@ def desk(browser):
         page.context.close()
 
 
+def state_of(code):
+    """Return the state that the fragment of an address holds."""
+    return json.loads(zlib.decompress(base64.urlsafe_b64decode(code + "=" * (-len(code) % 4))))
+
+
 class Seen:
     """A page, with what tests ask of it again and again."""
 
@@ -120,6 +129,17 @@ class Seen:
         """Wait until nothing is solved any more, and all of it is drawn."""
         self.page.evaluate(RESTING)
         return self
+
+    def held(self, is_held):
+        """Return the state in the address as soon as `is_held` of it: it follows a change later."""
+        end = time.monotonic() + 60
+        while time.monotonic() < end:
+            code = self.page.evaluate("() => location.hash")[1:]
+            if code and is_held(state := state_of(code)):
+                assert len(code) < 4000
+                return state
+            self.page.wait_for_timeout(50)
+        raise AssertionError("the address does not follow for a minute")
 
     def output(self, name):
         """Return what an output's card holds, in SI."""

@@ -508,7 +508,9 @@ def test_a_roll_is_taken_off_its_core(look):
     released = wo.solve(wo.RollProblem.example().replace(core_removed=True))
     assert seen.output("bore_hoop_stress") == pytest.approx(released.bore_hoop_stress, rel=SAME)
     assert seen.output("core_pressure") == 0
-    page.reload()  # the address holds the case
+    seen.held(lambda state: state["case"]["core_removed"])
+    page.reload()
+    page.wait_for_selector("#f-core_removed")
     seen.rest()
     assert page.input_value("#f-core_removed") == "true"
 
