@@ -182,12 +182,13 @@ class NipsOfWinding:
         return np.array(loads)
 
     def tension_at(self, lanes: Lanes) -> TensionAt:
-        """Return the function that gives the tension of lanes."""
+        """Return the function that gives the tension of lanes, in nips if these are solved."""
         E_t = float(self.roll.problem.stack.tangential)
         h = float(self.roll.problem.web_thickness)
         drums = self.drums(lanes)
 
         def tension(x: float, c: Array, mu: Array, guess: Array) -> TensionOfLanes | None:
+            """Return the tension of lanes at ln s = x; see :data:`.lanes.TensionAt`."""
             r = np.array([np.exp(x)])
             wound_on = h * float(self.roll.problem.tension_curve.at(r)[0])
             web, strain = float(self.web_tension(r)[0]), wound_on / (h * E_t)
@@ -418,7 +419,8 @@ def _completed(x: Array, values: Array) -> Array:
 def lanes_of_winding(result: Any, rtol: float, count: int) -> LaneRoll:
     """Solve for the lanes of a winding.
 
-    The effect of the thickness of the layers is part of the error estimates.
+    They are those of a roll at rest, as lanes neglect the centrifugal force, and of thin layers:
+    the effect of the thickness of the layers is part of the error estimates.
 
     Parameters
     ----------

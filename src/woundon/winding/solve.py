@@ -370,6 +370,9 @@ class _Winder:
     ) -> _Iteration:
         """Compute the roll from the shares, and the shares of the nips on this roll.
 
+        The roll contains the mean air film of the nips that were solved so far.  Those solved on it
+        change this mean: like the tension, the film must agree between roll and nips.
+
         Parameters
         ----------
         shares : dict of float to float
@@ -387,8 +390,9 @@ class _Winder:
             roll = recomputed(self.problem, stages.roll, r, tension, film)
         nip_shares = {place: share_of_nip(place, roll.result) for place in shares}
         change = max(self._mismatch(place, share) for place, share in shares.items())
-        # the change of the air film counts relative to the web thickness
-        change = max(change, abs(self.nips.mean_film() - film) / self.problem.web.thickness)
+        # the film of the nips solved above differs from that of the roll; relative to the web
+        film_change = abs(self.nips.mean_film() - film) / self.problem.web.thickness
+        change = max(change, film_change)
         return _Iteration(shares, nip_shares, r, roll, stages is None, film, change)
 
     def _predicted_share(self, place: float, roll: RollResult) -> float:
