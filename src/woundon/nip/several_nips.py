@@ -32,7 +32,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from math import exp
+from math import exp, pi
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -97,7 +97,7 @@ def single_nips(problem: Any) -> SingleNips:
     Raises
     ------
     InvalidProblem
-        If there is no arc between two nips, or behind the last one.
+        If there is no arc between two nips, or behind the last one, or if it reaches the first nip.
     """
     angles = [further.angle for further in problem.next_nips]
     first = problem.replace(next_nips=(), roll_wrap=angles[0])
@@ -132,6 +132,13 @@ def single_nips(problem: Any) -> SingleNips:
                 f"{problem.roll_wrap + short:.4g} [rad], so that there is an arc behind the last "
                 "nip",
             )
+    most = 2 * pi - LEAST_ARC * edges[0]  # where the laid layer runs into the first nip again
+    if problem.roll_wrap > most:
+        raise InvalidProblem.at(
+            "roll_wrap",
+            f"{problem.roll_wrap:.6g} is out of range; must be <= {most:.4g} [rad], so that the "
+            "arc behind the last nip ends before the first one",
+        )
     wrapped = [each.replace(roll_wrap=arc) for each, arc in zip(alone, arcs, strict=True)]
     return SingleNips(tuple(wrapped), half_widths)
 
