@@ -258,21 +258,19 @@ class RingPair:
         size, surface = mesh.topology.size, mesh.topology.surface
         f = np.zeros(size)
         f[surface] = forces
-        # factors for another half width serve as preconditioner
-        factorised, factors = self._linear_factors(mesh, distance=np.inf)
-        u = factors.solve(f)
-        if factorised is mesh:
-            return u
-        moduli, load_norm = self._moduli, float(np.linalg.norm(f))
-        # preconditioned conjugate gradients for K u = f, K as an operator on the elements
+        moduli, atol = self._moduli, LINEAR_TOLERANCE * float(np.linalg.norm(f))
+        # conjugate gradients for K u = f, K as an operator on the elements; preconditioned by the
+        # factors for another half width, or if these do not serve, by those for this one, the
+        # rounding errors of which they correct
         K = LinearOperator((size, size), lambda v: mesh.forces(mesh.strain(v.ravel()) @ moduli))
-        M = LinearOperator((size, size), factors.solve)
-        u, info = cg(
-            K, f, u, rtol=0.0, atol=LINEAR_TOLERANCE * load_norm, maxiter=CONJUGATE_GRADIENTS, M=M
-        )
-        if info:  # not converged: factorise the ring for this half width
-            _, factors = self._linear_factors(mesh, distance=0.0)
-            u = factors.solve(f)
+        for distance in (np.inf, 0.0):
+            factors = self._linear_factors(mesh, distance)[1]
+            M = LinearOperator((size, size), factors.solve)
+            u, info = cg(
+                K, f, factors.solve(f), rtol=0.0, atol=atol, maxiter=CONJUGATE_GRADIENTS, M=M
+            )
+            if info == 0:
+                break
         return u
 
     def _linear_factors(self, mesh: RingMesh, distance: float) -> tuple[RingMesh, Factors]:
