@@ -33,18 +33,19 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from math import exp
-from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..contact.newton import Iterate, Jacobian
 from ..elasticity.surface import Deformation, SurfaceTangent
 from ..errors import InvalidProblem
+from ..problems.nip import NipProblem
 from .contact_equations import DIFFERENCE
 from .equations import Assembly, Fields, Geometry, NipEquations, NipState
 from .layout import Layout
 from .load_limit import check_load
+from .nip_fields import NipFields
 from .outputs import NipSystem, drum_creepage, evaluation_weights, roll_wound_on_tension
 
 __all__ = ["SeveralNips", "SeveralState", "SingleNips", "check_nips", "single_nips", "system_of"]
@@ -69,7 +70,7 @@ ARRAYS = (
 )
 
 
-def system_of(problem: Any, size: int) -> NipSystem | SeveralNips:
+def system_of(problem: NipProblem, size: int) -> NipSystem | SeveralNips:
     """Return the equations of a problem without air on a mesh of ``size`` nodes in each nip."""
     return SeveralNips(problem, size) if problem.next_nips else NipSystem(problem, size)
 
@@ -86,12 +87,12 @@ class SingleNips(NamedTuple):
         Of the contacts without friction [m].
     """
 
-    problems: tuple[Any, ...]
+    problems: tuple[NipProblem, ...]
     half_widths: tuple[float, ...]
 
 
 @lru_cache(maxsize=4)  # the meshes of a solution use the same nips
-def single_nips(problem: Any) -> SingleNips:
+def single_nips(problem: NipProblem) -> SingleNips:
     """Return the nips of a problem with ``next_nips``, each alone.
 
     Raises
@@ -136,7 +137,7 @@ def single_nips(problem: Any) -> SingleNips:
     return SingleNips(tuple(wrapped), half_widths)
 
 
-def check_nips(problem: Any) -> None:
+def check_nips(problem: NipProblem) -> None:
     """Reject further nips that touch, and loads that no single contact carries.
 
     Raises
@@ -198,7 +199,7 @@ class SeveralNips:
         The equations of each nip, by default those on its own mesh.
     """
 
-    def __init__(self, problem: Any, size: int, nips: list[NipSystem] | None = None) -> None:
+    def __init__(self, problem: NipProblem, size: int, nips: list[NipSystem] | None = None) -> None:
         self.problem, self.size = problem, size
         alone, self._half_widths = single_nips(problem)
         self.nips = nips or [
@@ -254,7 +255,7 @@ class SeveralNips:
         """Return the indices of each nip's parts among those of all nips."""
         return np.concatenate([p.start + own for p, own in zip(parts, each, strict=True)])
 
-    def for_problem(self, problem: Any) -> SeveralNips:
+    def for_problem(self, problem: NipProblem) -> SeveralNips:
         """Return the equations of a neighbouring problem with the same numbers of cells."""
         pairs = zip(self.nips, single_nips(problem).problems, strict=True)
         return SeveralNips(problem, self.size, [nip.for_problem(each) for nip, each in pairs])
@@ -541,6 +542,7 @@ class SeveralNips:
         if self.problem.viscoelastic:
             out["rolling_resistance"] = sum(one.get("rolling_resistance", 0.0) for one in each)
             speed = self.problem.rolling_speed
+            assert speed is not None  # a viscoelastic body needs it
             out["dissipated_power"] = speed * out["rolling_resistance"]
         for k, one in enumerate(each[1:], 1):
             out |= {f"contacts.{k}.{name}": one[name] for name in OF_CONTACT}
@@ -580,7 +582,7 @@ class SeveralNips:
             out.append(out[-1] + nip.roll_wrap * R + a * (1 + BETWEEN))
         return out
 
-    def parts_of(self, result: Any) -> list[Any]:
+    def parts_of(self, result: NipFields) -> list[NipFields]:
         """Return the arrays and scalars of each nip in a result of all, with x from its centre.
 
         Raises
@@ -604,8 +606,9 @@ class SeveralNips:
         for k, (nip, nodes) in enumerate(zip(self.nips, _parts(sizes), strict=True)):
             own = {name: getattr(result, name)[nodes] for name in ARRAYS}
             own |= {name: float(values[k]) for name, values in scalars.items()}
-            own["x"], own["slip_x"] = own["x"] - own["centre"], own["slip_x"] - own["centre"]
-            parts.append(SimpleNamespace(problem=nip.problem, **own))
+            centre = own.pop("centre")
+            own["x"], own["slip_x"] = own["x"] - centre, own["slip_x"] - centre
+            parts.append(result.replace(problem=nip.problem, **own))
         return parts
 
 
