@@ -30,25 +30,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import pairwise
 from math import exp
-from typing import NamedTuple
 
 import numpy as np
 
 from ..contact.newton import Iterate, Jacobian
 from ..elasticity.surface import Deformation, SurfaceTangent
-from ..errors import InvalidProblem
 from ..problems.nip import NipProblem
 from .contact_equations import DIFFERENCE
-from .equations import Assembly, Fields, Geometry, NipEquations, NipState
+from .equations import Assembly, Fields, Geometry, NipState
 from .layout import Layout
-from .load_limit import check_load
 from .nip_fields import NipFields
 from .outputs import NipSystem, drum_creepage, evaluation_weights, roll_wound_on_tension
+from .single_nips import single_nips
 
-__all__ = ["SeveralNips", "SeveralState", "SingleNips", "check_nips", "single_nips", "system_of"]
+__all__ = ["SeveralNips", "SeveralState", "system_of"]
 
 Array = np.ndarray
 
@@ -57,9 +55,6 @@ STEP = 1e-4
 # Distance between the end of an arc and the leading edge of the next nip, relative to its half
 # width: nodes of a result ascend.
 BETWEEN = 1e-9
-# Least end of an arc, from the centre of the nip, in half widths without friction: friction and
-# tension change the half width by up to a few tens of percent.
-LEAST_ARC = 2.0
 # Outputs of a further nip whose error is estimated.
 OF_CONTACT = "inlet_tension", "outlet_tension", "nip_width", "peak_pressure", "drum_creepage"
 # Arrays of a result along the web.
@@ -73,83 +68,6 @@ ARRAYS = (
 def system_of(problem: NipProblem, size: int) -> NipSystem | SeveralNips:
     """Return the equations of a problem without air on a mesh of ``size`` nodes in each nip."""
     return SeveralNips(problem, size) if problem.next_nips else NipSystem(problem, size)
-
-
-class SingleNips(NamedTuple):
-    """The nips of a problem, each alone.
-
-    Attributes
-    ----------
-    problems : tuple of NipProblem
-        With the arc up to the leading edge of the next nip as the roll wrap.  The tension upstream
-        of further nips is that of the problem; the solution replaces it.
-    half_widths : tuple of float
-        Of the contacts without friction [m].
-    """
-
-    problems: tuple[NipProblem, ...]
-    half_widths: tuple[float, ...]
-
-
-@lru_cache(maxsize=4)  # the meshes of a solution use the same nips
-def single_nips(problem: NipProblem) -> SingleNips:
-    """Return the nips of a problem with ``next_nips``, each alone.
-
-    Raises
-    ------
-    InvalidProblem
-        If there is no arc between two nips, or behind the last one.
-    """
-    angles = [further.angle for further in problem.next_nips]
-    first = problem.replace(next_nips=(), roll_wrap=angles[0])
-    alone = [first]
-    for further in problem.next_nips:
-        alone.append(
-            first.replace(
-                drum=further.drum,
-                nip_load=further.nip_load,
-                winding_force=further.winding_force,
-                drum_friction=further.drum_friction or problem.drum_friction,
-                drum_wrap=0.0,
-            )
-        )
-    R = problem.roll.radius
-    half_widths = tuple(NipEquations(each, 3).initial_half_width() for each in alone)
-    edges = [a / R for a in half_widths]
-    arcs = [angle - edge for angle, edge in zip(angles, edges[1:], strict=True)]
-    arcs.append(problem.roll_wrap - sum(angles))
-    for k, (arc, edge) in enumerate(zip(arcs, edges, strict=True)):
-        short = LEAST_ARC * edge - arc
-        if short > 0 and k < len(angles):
-            raise InvalidProblem.at(
-                f"next_nips.{k}.angle",
-                f"{angles[k]:.6g} is out of range; must be >= {angles[k] + short:.4g} [rad], so "
-                "that there is an arc between the two nips",
-            )
-        if short > 0:
-            raise InvalidProblem.at(
-                "roll_wrap",
-                f"{problem.roll_wrap:.6g} is out of range; must be >= "
-                f"{problem.roll_wrap + short:.4g} [rad], so that there is an arc behind the last "
-                "nip",
-            )
-    wrapped = [each.replace(roll_wrap=arc) for each, arc in zip(alone, arcs, strict=True)]
-    return SingleNips(tuple(wrapped), half_widths)
-
-
-def check_nips(problem: NipProblem) -> None:
-    """Reject further nips that touch, and loads that no single contact carries.
-
-    Raises
-    ------
-    InvalidProblem
-        Naming the field of the further nip.
-    """
-    for k, each in enumerate(single_nips(problem).problems[1:]):
-        try:
-            check_load(each, "nip_load")
-        except InvalidProblem as fault:
-            raise fault.under(f"next_nips.{k}") from None
 
 
 @dataclass(frozen=True, eq=False)

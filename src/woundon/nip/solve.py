@@ -41,7 +41,8 @@ from .equations import NipEquations, NipState
 from .load_limit import bending_text, check_load
 from .outputs import SLIP_RATIOS, NipSystem, error_estimates
 from .result import NipResult
-from .several_nips import SeveralNips, SeveralState, check_nips, single_nips, system_of
+from .several_nips import SeveralNips, SeveralState, system_of
+from .single_nips import check_nips, single_nips
 from .validity import nip_warnings, web_far_outside
 
 __all__ = ["check_options", "solve_nip", "solve_with_film"]
