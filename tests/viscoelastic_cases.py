@@ -10,6 +10,7 @@ import numpy as np
 import woundon as wo
 from woundon.elasticity import cylinder
 from woundon.elasticity.layers import RelaxingModuli, stacked_compliance
+from woundon.elasticity.mesh import Face, Wrap, nip_mesh
 from woundon.elasticity.relaxation import modulus_ratio
 
 Array = np.ndarray
@@ -71,3 +72,13 @@ def lost_by_harmonics(x: Array, p: Array, q: Array, body: Any, speed: float) -> 
         - 1j * Y[0, 1] * (P.conj() * Q - P * Q.conj())
     )
     return float(-(n * form.imag).sum() / (pi * R))
+
+
+def nip_face(nodes: int) -> Face:
+    return nip_mesh(nodes, Wrap(), Wrap()).roll_face
+
+
+def gradients(body: wo.Body, face: Face, a: float, speed: float) -> tuple[Array, ...]:
+    """Return slopes and strains at the points of the cells by unit inner pressures, tractions."""
+    none = np.zeros(face.nodes.size)
+    return tuple(part[:-2, 1:-1] for part in body.surface(face, a, speed).tangent(none, none))

@@ -42,7 +42,7 @@ class Option(NamedTuple):
     details: str = ""
 
 
-def check_type(name: str, value: object, *types: type[Any]) -> None:
+def check_type(name: str, value: object, *types: type) -> None:
     """Raise an error unless a value has one of the types."""
     if not isinstance(value, types):
         must = one_of(kind.__name__ for kind in types)
@@ -56,29 +56,29 @@ def nodes_or_rtol(nodes: object, rtol: object) -> None:
         raise InvalidProblem.at("nodes", text)
 
 
-def whole_number(name: str, value: Any, low: int, high: int) -> int:
+def whole_number(name: str, value: object, low: int, high: int) -> int:
     """Return an integer; raise an error unless it is from ``low`` to ``high``."""
-    _check_range(name, value, (int, np.integer), low, high, f"a whole number, {low} to {high}")
-    return int(value)
+    must = f"a whole number, {low} to {high}"
+    return int(_in_range(name, value, (int, np.integer), low, high, must))
 
 
-def tolerance(name: str, value: Any, low: float, high: float) -> float:
+def tolerance(name: str, value: object, low: float, high: float) -> float:
     """Return a relative tolerance; raise an error unless it is from ``low`` to ``high``."""
     types = (int, float, np.floating)
-    _check_range(name, value, types, low, high, f">= {low:g} and <= {high:g}")
-    return float(value)
+    return float(_in_range(name, value, types, low, high, f">= {low:g} and <= {high:g}"))
 
 
-def _check_range(
+def _in_range(
     name: str, value: Any, types: tuple[type[Any], ...], low: float, high: float, must: str
-) -> None:
-    """Raise an error unless a value has one of the types and is from ``low`` to ``high``.
+) -> Any:
+    """Return a value of one of the types from ``low`` to ``high``; raise an error for another one.
 
     ``must`` is the permitted range as text.  True and False, which are integers of Python, and nan
     are rejected.
     """
     if isinstance(value, bool) or not isinstance(value, types) or not low <= value <= high:
         raise InvalidProblem.at(name, f"{quote(value)} is out of range: must be {must}")
+    return value
 
 
 # ---- arguments that several functions have ------------------------------------------------------

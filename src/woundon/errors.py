@@ -251,7 +251,7 @@ def unwarned() -> Iterator[None]:
         yield
 
 
-def nearest(word: Any, known: Iterable[str]) -> str:
+def nearest(word: object, known: Iterable[str]) -> str:
     """Return the known name most similar to a misspelt ``word``, ignoring case.
 
     It is empty if none is similar, or if ``word`` is not a text.
@@ -263,7 +263,7 @@ def nearest(word: Any, known: Iterable[str]) -> str:
     return by_lower[near[0]] if near else ""
 
 
-def did_you_mean(word: Any, known: Iterable[str]) -> str:
+def did_you_mean(word: object, known: Iterable[str]) -> str:
     """Return ``'; did you mean ...?'`` for a misspelt ``word``, or the list of known names."""
     known = sorted(known)
     near = nearest(word, known)

@@ -260,7 +260,7 @@ def named(name: str) -> Kind[Any, Any]:
     return known[with_underscores]
 
 
-def of(thing: Any) -> Kind[Any, Any]:
+def of(thing: object) -> Kind[Any, Any]:
     """Return the kind of a problem or of a result.
 
     >>> of(NipProblem.example()).name

@@ -28,7 +28,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from functools import cache, wraps
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, TypeVarTuple
 
 # the command line imports this module before anything else: what takes time is imported where used
 if TYPE_CHECKING:
@@ -50,6 +50,7 @@ __all__ = [
 Function = TypeVar("Function", bound=Callable[..., Any])
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
+Args = TypeVarTuple("Args")
 
 # ---- BLAS threads -------------------------------------------------------------------------------
 
@@ -250,7 +251,7 @@ class Worker:
         Is called in the process before its first item.
     """
 
-    def __init__(self, prepare: Callable[[], Any] | None = None) -> None:
+    def __init__(self, prepare: Callable[[], object] | None = None) -> None:
         from pathlib import Path
         from tempfile import gettempdir
 
@@ -259,7 +260,7 @@ class Worker:
         self._executor: Any = None
         self._last: Future[Any] | None = None
 
-    def submit(self, work: Callable[..., Answer], *args: Any) -> Future[Answer]:
+    def submit(self, work: Callable[[*Args], Answer], *args: *Args) -> Future[Answer]:
         """Start ``work(*args)`` in the process, which must be idle.
 
         The future raises ``BrokenExecutor`` if the process dies, another ``RuntimeError`` if it is

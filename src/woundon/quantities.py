@@ -26,7 +26,20 @@ from functools import cache, cached_property, lru_cache
 from inspect import Parameter, signature
 from math import pi
 from types import MappingProxyType
-from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    NamedTuple,
+    TypeVar,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+if TYPE_CHECKING:
+    import numpy as np
+    from pydantic.fields import FieldInfo
 
 __all__ = [
     "DISPLAYED",
@@ -34,7 +47,9 @@ __all__ = [
     "Choice",
     "Place",
     "Quantity",
+    "Values",
     "angle",
+    "as_given",
     "density_of_web",
     "in_chosen_units",
     "is_list",
@@ -56,6 +71,9 @@ __all__ = [
     "velocity",
     "walk",
 ]
+
+# A number, or an array of any shape: a function of either returns the same.
+Values = TypeVar("Values", bound="float | np.ndarray")
 
 # Units for display, with the SI unit and how many of it they are.
 DISPLAYED: Mapping[str, tuple[str, float]] = MappingProxyType(
@@ -134,9 +152,10 @@ class Quantity:
                 return chosen.names[path, self.unit]
         return chosen.system.get(self.shown_unit or self.unit)
 
-    def shown(self, value: Any) -> Any:
+    def shown(self, value: Values) -> Values:
         """Return an SI value, or an array of them, in the unit for display."""
-        return value / self._unit()[1]
+        shown: Any = value / self._unit()[1]
+        return shown
 
     @property
     def display(self) -> str:
@@ -160,10 +179,11 @@ class Quantity:
         unit, size = self._usual()
         return f"{float(value) / size:{form}} {'' if unit == '1' else unit}".rstrip()
 
-    def in_table(self, value: Any) -> tuple[str, Any]:
+    def in_table(self, value: Values) -> tuple[str, Values]:
         """Return unit and value for a table: SI, or the chosen unit."""
         unit, size = self._chosen() or (self.unit, 1.0)
-        return unit, value / size
+        converted: Any = value / size
+        return unit, converted
 
     def named(self, path: str) -> Quantity:
         """Return the quantity with the name of its field or output."""
@@ -174,6 +194,11 @@ OF_FIELD = "of the field that holds it"  # in place of a quantity
 
 Range = tuple[float, float] | None
 _POSITIONAL = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
+
+
+def as_given(values: np.ndarray) -> Any:
+    """Return an array, or the number in an array without dimensions, as the argument was given."""
+    return values[()]
 
 
 def length(symbol: str, meaning: str, shown: str = "mm", typical: Range = None) -> Quantity:
@@ -398,7 +423,7 @@ def _walk_annotation(place: Place) -> Iterator[Place]:
         yield from walk(model, part, place.quantity)
 
 
-def quantity_of(field: Any, of_field: Quantity | None = None) -> Quantity | None:
+def quantity_of(field: FieldInfo, of_field: Quantity | None = None) -> Quantity | None:
     """Return the quantity in the metadata of a pydantic field.
 
     Fields marked ``OF_FIELD``, such as the values of a profile, have that of the containing field.

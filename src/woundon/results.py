@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
 
     from .io.chosen_units import ResultInUnits
 
@@ -76,7 +77,7 @@ def zone_runs(x: np.ndarray, zones: np.ndarray) -> list[tuple[int, float, float]
     return [(int(zones[k]), a, b) for k, a, b in zip(first, ends, ends[1:], strict=False)]
 
 
-def largest(values: Any) -> float:
+def largest(values: ArrayLike) -> float:
     """Return the largest of some violations: 0 if there are none, nan if one is nan.
 
     Python's ``max`` drops a nan that does not come first.
@@ -175,7 +176,7 @@ class Presented:
 
         return html_of(self)
 
-    def _figure(self, *options: Any) -> Any:
+    def _figure(self, *options: Any) -> Figure | Axes:
         """Draw the figure of this object; options are the arguments of its method ``plot``."""
         from .report.presentation import figure_of
 

@@ -125,6 +125,15 @@ class Seen:
         asked = f"([within, before]) => ![undefined, before].includes({shown})"
         self.page.wait_for_function(asked, arg=[within, before])
 
+    def winding_without_nips(self):
+        """Choose a winding whose tension law needs no nip, and wait for its margins."""
+        self.page.click("#tab-winding")
+        self.page.wait_for_selector(".schedule-plot")
+        self.page.select_option(".kind", "winding")
+        self.page.wait_for_selector("[id='f-tension_law']")
+        self.page.select_option("[id='f-tension_law']", label="friction")
+        self.page.wait_for_selector(".margins", timeout=120_000)
+
     def rest(self):
         """Wait until nothing is solved any more, and all of it is drawn."""
         self.page.evaluate(RESTING)

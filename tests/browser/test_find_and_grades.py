@@ -68,12 +68,7 @@ def test_the_answer_is_the_first_line_in_the_units_of_the_page(look):
 def test_a_nip_takes_the_value_at_the_core_of_a_schedule_and_gives_it_back(look):
     seen = look()
     page = seen.page
-    page.click("#tab-winding")
-    page.wait_for_selector(".schedule-plot")
-    page.select_option(".kind", "winding")
-    page.wait_for_selector("[id='f-tension_law']")
-    page.select_option("[id='f-tension_law']", label="friction")  # no nip is solved
-    page.wait_for_selector(".margins", timeout=60_000)
+    seen.winding_without_nips()
     taper = seen.box("web_tension.taper")
     for tab in ("study", "fit", "winding", "case"):  # each of them shows the kind of the case
         page.click(f"#tab-{tab}")

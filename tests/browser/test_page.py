@@ -519,13 +519,7 @@ def test_a_roll_is_taken_off_its_core(look):
 def test_a_winding_tells_its_margins(look):
     seen = look()
     page = seen.page
-    page.click("#tab-winding")
-    page.wait_for_selector(".schedule-plot")
-    page.select_option(".kind", "winding")
-    # the quick ones: no nip is solved
-    page.wait_for_selector("[id='f-tension_law']")
-    page.select_option("[id='f-tension_law']", label="friction")
-    page.wait_for_selector(".margins", timeout=120_000)
+    seen.winding_without_nips()
     seen.rest()
     result = wo.solve(wo.WindingProblem.example().replace(tension_law="friction"))
     assert seen.output("core_pressure") == pytest.approx(result.core_pressure, rel=1e-6)

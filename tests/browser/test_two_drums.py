@@ -14,12 +14,7 @@ def test_a_winding_gets_a_winder_in_the_form(look):
     """The page's result is that of the case that it saves."""
     seen = look(width=1366, height=900)
     page = seen.page
-    page.click("#tab-winding")
-    page.wait_for_selector(".schedule-plot")
-    page.select_option(".kind", "winding")
-    page.wait_for_selector("[id='f-tension_law']")
-    page.select_option("[id='f-tension_law']", label="friction")  # no nip is solved
-    page.wait_for_selector(".margins", timeout=60_000)
+    seen.winding_without_nips()
     for group in ("winder", "drum", "operation"):
         page.evaluate(f"document.querySelector('[data-group={group}]').open = true")
     page.select_option("#f-winder", "TwoDrums")
@@ -48,12 +43,7 @@ def test_a_centre_winder_without_a_nip_has_the_torque_of_its_core_drive(look):
     """Without load the drum can be left out; with width and speed the report has the drives."""
     seen = look(width=1366, height=900)
     page = seen.page
-    page.click("#tab-winding")
-    page.wait_for_selector(".schedule-plot")
-    page.select_option(".kind", "winding")
-    page.wait_for_selector("[id='f-tension_law']")
-    page.select_option("[id='f-tension_law']", label="friction")  # no nip is solved
-    page.wait_for_selector(".margins", timeout=60_000)
+    seen.winding_without_nips()
     for group in ("drum", "operation", "inertia"):
         page.evaluate(f"document.querySelector('[data-group={group}]').open = true")
     for name, value in (("nip_load", "0"), ("width", "2.5"), ("web_speed", "600")):  # m, m/min

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import json
-import sys
-from importlib import import_module
 from math import pi
 
 import numpy as np
 import pytest
 import study_models as models
+from registered_kinds import registered
 from thesis_cases import measured_tensions, newsprint_nip, paper_nip
 
 import woundon as wo
-from woundon import kinds
 
 STARTED = 1e-8  # cases start from their neighbours: to the tolerance of the load
 
@@ -21,11 +19,8 @@ STARTED = 1e-8  # cases start from their neighbours: to the tolerance of the loa
 @pytest.fixture
 def springs():
     """A kind registered for the time of a test."""
-    before = dict(kinds._KINDS)
-    yield import_module("spring_problem")
-    kinds._KINDS.clear()
-    kinds._KINDS.update(before)
-    del sys.modules["spring_problem"]
+    with registered("spring_problem") as module:
+        yield module
 
 
 @pytest.fixture

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import study_models as models
 import xarray
+from nip_study import nip_study
 from thesis_cases import measured_tensions, paper_nip
 
 import woundon as wo
@@ -19,22 +20,13 @@ from woundon.studies.study_file import load_study
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CASE = Path(__file__).with_name("nip_alone.toml")
-STUDY = """
-schema = 1
-case = "{case}"
-outputs = ["nip_induced_tension"]
-[over]
-nip_load = {{ from = "1 kN/m", to = "4 kN/m", count = 3 }}
-winding_force = ["0 N/m", "300 N/m"]
-[solver]
-nodes = 17
-"""
+STUDY = nip_study(CASE)
 
 
 @pytest.fixture
 def study(tmp_path: Path) -> Path:
     path = tmp_path / "study.toml"
-    path.write_text(STUDY.format(case=CASE), encoding="utf-8")
+    path.write_text(STUDY, encoding="utf-8")
     return path
 
 

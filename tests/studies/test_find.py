@@ -7,15 +7,14 @@ import os
 import pickle
 import subprocess
 import sys
-from importlib import import_module
 from math import pi
 
 import numpy as np
 import pytest
+from registered_kinds import registered
 from slow_cases import slow_case
 
 import woundon as wo
-from woundon import kinds
 from woundon.cli.commands import main
 from woundon.io.case_files import load_case
 from woundon.io.case_texts import template
@@ -24,11 +23,8 @@ from woundon.io.case_texts import template
 @pytest.fixture
 def curves():
     """The kind of closed-form curves, registered for the time of a test."""
-    before = dict(kinds._KINDS)
-    yield import_module("curve_problem")
-    kinds._KINDS.clear()
-    kinds._KINDS.update(before)
-    del sys.modules["curve_problem"]
+    with registered("curve_problem") as module:
+        yield module
 
 
 def steel_pair() -> wo.RollerProblem:

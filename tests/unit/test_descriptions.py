@@ -11,27 +11,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import kinds
 from woundon.problems.paths import counterpart
 from woundon.problems.permitted import requirement
 from woundon.quantities import members_of
-
-
-def nip(**changes: Any) -> wo.NipProblem:
-    """Return the newsprint case of the thesis's Table 2."""
-    problem = wo.NipProblem(
-        web=wo.Web(thickness=66e-6, material="newsprint"),
-        roll=wo.Cylinder(radius=0.1, core_radius=0.0445, material="newsprint"),
-        drum=wo.Rigid(radius=0.0762),
-        roll_friction=0.19,
-        drum_friction=0.2,
-        nip_load=3502.0,
-        web_tension=350.0,
-        roll_wrap=0.0,
-    )
-    return problem.replace(**changes)
 
 
 def rollers() -> wo.RollerProblem:
@@ -47,8 +33,8 @@ DESCRIPTIONS = [
     wo.Rigid(radius=0.3),
     wo.HalfPlane(radius=0.3, material="steel"),
     wo.Cylinder(radius=0.3, core_radius=0.05, material="rubber"),
-    nip(),
-    nip().replace(roll_wrap=np.pi, wrap_friction=0.3),
+    newsprint_nip(),
+    newsprint_nip().replace(roll_wrap=np.pi, wrap_friction=0.3),
     rollers(),
 ]
 each = pytest.mark.parametrize("value", DESCRIPTIONS, ids=lambda d: type(d).__name__)
@@ -103,7 +89,7 @@ def test_its_repr_builds_it_again(value: Any) -> None:
     ids=lambda n: f"{type(n).__name__} {getattr(n, 'dtype', '')}",
 )
 def test_numbers_of_any_make_become_plain_ones(number: Any) -> None:
-    problem = nip(nip_load=number)
+    problem = newsprint_nip(nip_load=number)
     assert type(problem.nip_load) is float
     assert problem.nip_load == 3500.0
 
@@ -112,18 +98,18 @@ def test_numbers_of_any_make_become_plain_ones(number: Any) -> None:
 
 
 def test_replace_leaves_the_original_and_shares_what_stays() -> None:
-    problem = nip()
+    problem = newsprint_nip()
     variant = problem.replace(nip_load=5e3, **{"web.thickness": 57e-6, "roll.material.shear": 2e7})
     assert (variant.nip_load, variant.web.thickness) == (5e3, 57e-6)
     assert variant.roll.material.stiffness.shear == 2e7
     assert variant.web.material.stiffness.shear == 1e7  # the roll's alone was changed
-    assert problem == nip()
+    assert problem == newsprint_nip()
     back = variant.replace(nip_load=3502, **{"web.thickness": 66e-6, "roll.material.shear": 1e7})
     assert back == problem
 
 
 def test_replace_checks_what_belongs_together() -> None:
-    problem = nip(winding_force=600.0)
+    problem = newsprint_nip(winding_force=600.0)
     with pytest.raises(wo.NoSteadyState):
         problem.replace(nip_load=2000.0)
     assert problem.replace(nip_load=2000.0, winding_force=-100.0).nip_load == 2000.0
@@ -177,7 +163,7 @@ EXAMPLES = [
     wo.Air(roughness=3e-6), wo.Inertia(core=0.5),
     wo.Core(radius=0.05, stiffness=1e9),
     wo.Core(radius=0.05, inner_radius=0.04, material="steel"),
-    nip(air=wo.Air(roughness=3e-6), web_speed=10.0),
+    newsprint_nip(air=wo.Air(roughness=3e-6), web_speed=10.0),
     rollers().replace(upper=COVER, speed=10.0),
     wo.RollProblem.example(), WINDING, WINDING.replace(drum=COVER, web_speed=10.0),
     WINDING.replace(nip_load=0.0),

@@ -1,4 +1,4 @@
-"""The import contract of pyproject.toml, and imports that import-linter does not see.
+"""The import contract of pyproject.toml, imports that import-linter does not see, and Any.
 
 Evidence: a deliberate violation of each form is detected in a copy of the sources.  import-linter
 finds imports at module level, inside functions and for type checking.  Imports through strings and
@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -148,3 +149,84 @@ def test_the_contract_is_kept_and_a_violation_is_detected(form: str | None, copi
     assert run.returncode == (0 if form is None else 1), run.stdout + run.stderr
     if form is not None:
         assert "woundon.elasticity.violation -> woundon.nip" in run.stdout
+
+
+# Signatures between packages whose types a plug-in may supply (docs/architecture.md).
+OF_PLUGINS = {
+    # equations and problems of a kind with its own contact
+    *("System.evaluate", "System.jacobian", "System.fill_half_width_column"),
+    *("SemismoothNewton.solve", "refine", "neighbouring_solution"),
+    # functions, problems and results of a kind
+    *("solve", "NotConverged.__init__"),
+    # the value of a field or an output by its name
+    *("get_field", "field_or_none", "value_of"),
+    # the options of a figure, and the number or array that a function was given
+    *("figure_of", "as_given"),
+}
+
+
+def signatures_with_any(folder: Path) -> Iterator[str]:
+    """Yield the names of public functions and methods with Any that another package uses.
+
+    Values by name, ``Mapping[str, Any]`` and ``**options: Any``, do not count: fields of problems,
+    options of solvers and contents of files depend on the kind.
+    """
+    trees = {path: ast.parse(path.read_text("utf-8")) for path in folder.rglob("*.py")}
+    packages = {path: path.relative_to(folder).parts[0] for path in trees}
+    users: dict[str, set[str]] = defaultdict(set)  # packages that use "module.name" or ".name"
+    for path, tree in trees.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and node.level:
+                module = str(node.module).rpartition(".")[2]
+                for alias in node.names:
+                    users[f"{module}.{alias.name}"].add(packages[path])
+            elif isinstance(node, ast.Attribute):
+                users[f".{node.attr}"].add(packages[path])
+                users[f"{getattr(node.value, 'id', '')}.{node.attr}"].add(packages[path])
+    for path, tree in trees.items():
+        for name, used_as, function in _public_functions(tree, path.stem):
+            if users[used_as] - {packages[path]} and _has_any(function):
+                yield name
+
+
+def _public_functions(
+    tree: ast.Module, module: str
+) -> Iterator[tuple[str, str, ast.FunctionDef | ast.AsyncFunctionDef]]:
+    """Yield name, name by which it is used, and node of public functions and methods.
+
+    Of an overloaded function the overloads, which callers see.
+    """
+    for owner in tree.body:
+        is_class = isinstance(owner, ast.ClassDef)
+        functions = [node for node in (owner.body if is_class else tree.body)
+                     if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]  # fmt: skip
+        overloads = [
+            node for node in functions if "overload" in map(ast.unparse, node.decorator_list)
+        ]
+        overloaded = {node.name for node in overloads}
+        for function in functions if is_class else set(functions) & {owner}:
+            name = f"{owner.name}.{function.name}" if is_class else function.name
+            hidden = any(
+                part.startswith("_") for part in name.replace("__init__", "new").split(".")
+            )
+            if hidden or (function.name in overloaded and function not in overloads):
+                continue
+            if is_class and function.name != "__init__":
+                yield name, f".{function.name}", function
+            else:
+                yield name, f"{module}.{owner.name}", function
+
+
+def _has_any(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
+    """Tell whether an argument or the returned value is Any, or holds Any, except by name."""
+    given = function.args
+    arguments = [*given.posonlyargs, *given.args, *given.kwonlyargs, given.vararg]
+    hints = [each.annotation for each in arguments if each is not None] + [function.returns]
+    by_name = r"(Mapping|dict)\[str, Any\]|Kind\[Any, Any\]"
+    texts = (re.sub(by_name, "", ast.unparse(hint)) for hint in hints if hint is not None)
+    return any(re.search(r"\bAny\b", text) for text in texts)
+
+
+def test_any_stands_only_where_a_plug_in_may_supply_the_type() -> None:
+    found = set(signatures_with_any(ROOT / "src" / "woundon"))
+    assert found == OF_PLUGINS

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from golden_text import assert_golden, read_golden
+from nip_study import nip_study
 
 import woundon as wo
 from woundon.cli.commands import main
@@ -96,16 +97,7 @@ def cases(text: str) -> Any:
     return wo.sweep(NIP, written(text, "cases.csv"))
 
 
-STUDY = f"""
-schema = 1
-case = "{EXAMPLE.as_posix()}"
-outputs = ["nip_induced_tension"]
-[over]
-nip_load = {{ from = "1 kN/m", to = "4 kN/m", count = 3 }}
-winding_force = ["0 N/m", "300 N/m"]
-[solver]
-nodes = 17
-"""
+STUDY = nip_study(EXAMPLE)
 
 
 def study(old: str, new: str) -> Any:

@@ -14,7 +14,7 @@ from coarse_solutions import coarse_solution, solve_coarsely
 from matplotlib import pyplot as plt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from slow_cases import slow_case
-from thesis_cases import film_nip, newsprint_nip
+from thesis_cases import film_nip
 
 import woundon as wo
 from woundon import kinds, quantities
@@ -27,7 +27,7 @@ from woundon.report.result_panels import array_panels
 from woundon.report.sweep_panels import plot_sweep
 from woundon.studies.cases import make_cases
 
-NODES = 25
+NODES = 33
 SOFT = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.47)
 
 
@@ -41,17 +41,6 @@ def _closed():
 def plot_outputs(result: Any) -> Any:
     """Draw a result of any kind as one is drawn whose kind does not say how."""
     return draw_figure([[maker.make(result)] for maker in array_panels(result).values()])
-
-
-@pytest.fixture(scope="module")
-def nip() -> wo.NipResult:
-    return wo.solve(newsprint_nip(), nodes=NODES)
-
-
-@pytest.fixture(scope="module")
-def wrapped() -> wo.NipResult:
-    problem = newsprint_nip(roll_wrap=1.0, drum_wrap=0.5, wrap_friction=0.3)
-    return wo.solve(problem, nodes=NODES)
 
 
 @pytest.fixture(scope="module")

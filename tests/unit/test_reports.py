@@ -42,17 +42,6 @@ def sections(parts: list[Any]) -> dict[str, list[str]]:
 
 
 @pytest.fixture(scope="module")
-def nip() -> wo.NipResult:
-    return wo.solve(newsprint_nip(), nodes=NODES)
-
-
-@pytest.fixture(scope="module")
-def wrapped() -> wo.NipResult:
-    problem = newsprint_nip(roll_wrap=1.0, drum_wrap=0.5, wrap_friction=0.3)
-    return wo.solve(problem, nodes=NODES)
-
-
-@pytest.fixture(scope="module")
 def examples() -> list[Any]:
     """One solved case of every kind."""
     return [coarse_solution(kind.problem.example(), NODES) for kind in kinds.every()]

@@ -10,11 +10,11 @@ import pytest
 from random_nips import random_viscoelastic
 from scipy.linalg import expm
 from slow_cases import campaign_case, slow_case
-from viscoelastic_cases import compliance, cover, lost_by_harmonics
+from viscoelastic_cases import compliance, cover, gradients, lost_by_harmonics, nip_face
 
 import woundon as wo
 from woundon.elasticity.influence import InfluenceSurface
-from woundon.elasticity.mesh import Face, Wrap, nip_mesh
+from woundon.elasticity.mesh import Wrap, nip_mesh
 
 Array = np.ndarray
 
@@ -42,16 +42,6 @@ def bodies(material: wo.Material) -> dict[str, wo.Body]:
             core="free",
         ),
     }  # fmt: skip
-
-
-def nip_face(nodes: int) -> Face:
-    return nip_mesh(nodes, Wrap(), Wrap()).roll_face
-
-
-def gradients(body: wo.Body, face: Face, a: float, speed: float) -> tuple[Array, ...]:
-    """Return slopes and strains at the points of the cells by unit inner pressures, tractions."""
-    none = np.zeros(face.nodes.size)
-    return tuple(part[:-2, 1:-1] for part in body.surface(face, a, speed).tangent(none, none))
 
 
 def moduli(omega: float, nu: float = 0.4) -> tuple[complex, float]:

@@ -13,9 +13,9 @@ from slow_cases import campaign_case, slow_case
 
 import woundon as wo
 from woundon.problems.thickness_profile import Lanes
-from woundon.roll.lane_roll import _check_law, solve_lanes
 from woundon.roll.lane_tension import tension_of_web
 from woundon.roll.solve import solve_thin_layers
+from woundon.roll.solve_lanes import _check_law, solve_lanes
 from woundon.winding.bodies import linear_cylinder
 
 CORE, E_C, NU = 0.05, 1e9, 0.01

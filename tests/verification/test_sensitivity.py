@@ -161,3 +161,23 @@ def test_elasticities_are_sorted_and_zero_fields_keep_their_derivative() -> None
     # F = 0 has no percent, but moves NIT: by 0.3 to 0.5 N/m per N/m
     assert ordered.elasticities[0][ordered.parameters.index("winding_force")] == 0.0
     assert 0.2 < s.derivative("nip_induced_tension", "winding_force") < 0.6
+
+
+def test_the_cross_stiffness_of_a_roller_may_be_zero():
+    """Its step is relative to the radial modulus of the same body.
+
+    Only values above zero are permitted: both derivatives are differences of order two, over steps
+    of 1e-4 and of less of the radial modulus, which agree to the square of the larger one and to
+    the rounding of solved equations (1e-11) over it.
+    """
+    cover = wo.Orthotropic(radial=40e6, tangential=60e6, cross=0.0, shear=15e6)
+    upper = wo.Cylinder(radius=0.25, core_radius=0.235, material=cover)
+    rollers = wo.RollerProblem.example().replace(upper=upper, load=5e3, tangential_load=500.0)
+    result, step = wo.solve(rollers, nodes=41), 1e-4 * cover.radial
+    exact = result.sensitivity("upper.material.cross", outputs=("half_width",))
+    near, far = (
+        wo.solve(rollers.replace(**{"upper.material.cross": k * step}), nodes=41, start=result)
+        for k in (1, 2)
+    )
+    quotient = (4 * near.half_width - far.half_width - 3 * result.half_width) / (2 * step)
+    assert exact.derivatives.item() == pytest.approx(quotient, rel=1e-5)

@@ -291,6 +291,21 @@ def test_the_frictionless_slip_reverses_where_it_halves_the_load() -> None:
     assert D * contact.pressure(b) + xi == pytest.approx(0.0, abs=1e-7 * abs(xi))
 
 
+def check_full_stick(
+    stick: Any, coefficients: tuple[float, float, float], R: float, places: tuple[float, ...]
+) -> None:
+    """Check slope and strain of both half-planes at places in units of the half width.
+
+    ``coefficients`` are B, C and D [1/Pa]; the principal values are known to 1e-8.
+    """
+    a, (B, C, D) = stick.half_width, coefficients
+    for y in np.array(places) * a:
+        slope = C / pi * cauchy(stick.pressure, a, y) - D * stick.traction(y)
+        strain = B / pi * cauchy(stick.traction, a, y) + D * stick.pressure(y)
+        assert slope == pytest.approx(y / R, abs=1e-8 * a / R)
+        assert strain == pytest.approx(-stick.creepage, rel=1e-8)
+
+
 def test_full_stick_satisfies_both_equations_and_carries_the_load() -> None:
     pair = dissimilar_pair()
     stick, R = theories.bentall_johnson_stick(pair), 0.025
@@ -298,12 +313,7 @@ def test_full_stick_satisfies_both_equations_and_carries_the_load() -> None:
     assert stick.oscillation == pytest.approx(atanh(0.143834) / pi, rel=5e-6)
     assert integral(stick.pressure, a) == pytest.approx(pair.load, rel=1e-9)
     assert integral(stick.traction, a) == pytest.approx(0.0, abs=1e-9 * pair.load)
-    for t in (-0.7, 0.1, 0.5):
-        y = t * a
-        slope = C / pi * cauchy(stick.pressure, a, y) - D * stick.traction(y)
-        strain = C / pi * cauchy(stick.traction, a, y) + D * stick.pressure(y)
-        assert slope == pytest.approx(y / R, abs=1e-8 * a / R)
-        assert strain == pytest.approx(-stick.creepage, rel=1e-8)
+    check_full_stick(stick, (C, C, D), R, (-0.7, 0.1, 0.5))
 
 
 def test_full_stick_of_orthotropic_rollers_satisfies_both_equations() -> None:
@@ -317,14 +327,8 @@ def test_full_stick_of_orthotropic_rollers_satisfies_both_equations() -> None:
     )
     stick, R = theories.bentall_johnson_stick(pair), 1 / (1 / 0.3 + 1 / 0.5)
     D, B, C = half_plane.coefficients(*PAPER.stiffness)
-    a = stick.half_width
-    assert integral(stick.pressure, a) == pytest.approx(1900.0, rel=1e-9)
-    for t in (-0.6, 0.3):
-        y = t * a
-        slope = C / pi * cauchy(stick.pressure, a, y) - D * stick.traction(y)
-        strain = B / pi * cauchy(stick.traction, a, y) + D * stick.pressure(y)
-        assert slope == pytest.approx(y / R, abs=1e-8 * a / R)
-        assert strain == pytest.approx(-stick.creepage, rel=1e-8)
+    assert integral(stick.pressure, stick.half_width) == pytest.approx(1900.0, rel=1e-9)
+    check_full_stick(stick, (B, C, D), R, (-0.6, 0.3))
 
 
 def test_full_stick_of_similar_rollers_is_hertz() -> None:

@@ -8,28 +8,24 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.special import spence
-from viscoelastic_cases import compliance, cover, lost_by_harmonics, rubber
+from viscoelastic_cases import (
+    compliance,
+    cover,
+    gradients,
+    lost_by_harmonics,
+    nip_face,
+    rubber,
+)
 from wrapped_nips import solve_wrapped
 
 import woundon as wo
 from woundon.elasticity import cylinder, rolling
 from woundon.elasticity.influence import InfluenceSurface
 from woundon.elasticity.lag import Lag, periodic_series
-from woundon.elasticity.mesh import Face, Wrap, nip_mesh
 from woundon.elasticity.relaxation import creep, modulus_ratio
 
 Array = np.ndarray
 NIP = wo.NipProblem.example().replace(roll_wrap=0.0, drum=cover(rubber()), web_speed=3.0)
-
-
-def nip_face(nodes: int) -> Face:
-    return nip_mesh(nodes, Wrap(), Wrap()).roll_face
-
-
-def gradients(body: wo.Body, face: Face, a: float, speed: float) -> tuple[Array, ...]:
-    """Return slopes and strains at the points of the cells by unit inner pressures, tractions."""
-    none = np.zeros(face.nodes.size)
-    return tuple(part[:-2, 1:-1] for part in body.surface(face, a, speed).tangent(none, none))
 
 
 def drums(material: wo.Material) -> dict[str, wo.Body]:

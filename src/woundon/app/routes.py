@@ -17,7 +17,7 @@ from contextlib import asynccontextmanager
 from functools import cache
 from html import escape
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, TypeVarTuple
 
 from fastapi import APIRouter, FastAPI, Query, Request, Response
 from fastapi.exceptions import RequestValidationError
@@ -57,6 +57,7 @@ from .worker_pool import Pool
 __all__ = ["application"]
 
 Answer = TypeVar("Answer")
+Args = TypeVarTuple("Args")
 STATIC = Path(__file__).parent / "static"
 MOST_SOLVERS = 4
 BODY_SECONDS = 10.0  # for a body to arrive
@@ -152,7 +153,7 @@ class APIRequest(Request):
         return workers
 
     async def computed(
-        self, pool: Pool, call: Callable[..., Answer], *args: Any, rank: int = 0
+        self, pool: Pool, call: Callable[[*Args], Answer], *args: *Args, rank: int = 0
     ) -> Answer:
         """Return ``call(*args)``, computed by a worker.
 

@@ -17,7 +17,7 @@ from collections.abc import Callable, Coroutine, Hashable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar, TypeVarTuple
 
 import psutil
 
@@ -34,6 +34,9 @@ GRACE = 1.0  # seconds that work in progress may go on when a newer request has 
 PATIENCE = 3.0  # seconds until cancelled work must have ended; then its process is killed
 DIED = "the worker process of this request died; it has been replaced, send the request again"
 SUPERSEDED = "a newer request of the same session took its place"
+
+Answer = TypeVar("Answer")
+Args = TypeVarTuple("Args")
 
 
 # ---- in the worker ----------------------------------------------------------------------------
@@ -154,12 +157,12 @@ class Pool:
 
     async def run(
         self,
-        call: Callable[..., Any],
-        *args: Any,
+        call: Callable[[*Args], Answer],
+        *args: *Args,
         key: Hashable = None,
         session: Hashable = None,
         rank: int = 0,
-    ) -> Any:
+    ) -> Answer:
         """Return ``call(*args)`` of a worker.
 
         Parameters

@@ -60,7 +60,7 @@ __all__ = ["find"]
 def find(
     case: Path,
     settings: tuple[str, ...],
-    vary: tuple[str, Any],
+    vary: tuple[str, tuple[float | str, float | str] | None],
     target: tuple[str, str | float],
     as_json: bool,
     new_case: Path | None,

@@ -37,7 +37,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .cylinder import HIGHEST_POWER, _elastic_spectrum, _spectrum
+from .cylinder import HIGHEST_POWER, Spectrum, _elastic_spectrum, _spectrum
 from .fourier import POWERS, HarmonicSum, HarmonicSums
 from .half_plane import coefficients
 from .kernels import Kernel, SurfaceKernels
@@ -143,24 +143,9 @@ def layered_kernels(
     """
     R = float(radius)
     constant_bulk = constant_bulk or (False,) * len(layers)
-
-    def factors(n: Array) -> Array:
-        """Return E(in/R)/E_inf, or G(in/R)/G_inf with a constant bulk modulus, (L, n)."""
-        return np.array([modulus_ratio(relaxation, n / R) for relaxation in relaxations])
-
-    if len(layers) == 1 and not constant_bulk[0]:
-        # all compliances of a single layer vary as J_n: X_n is elastic
-        spectrum = _elastic_spectrum(layers, open_bore)
-    else:
-        spectrum = _spectrum(layers, open_bore, RelaxingModuli(factors, constant_bulk))
-    X, tail, J, decay, error, bulk = spectrum
+    spectrum, tails, creeps, ratios = _parts(R, layers, relaxations, open_bore, constant_bulk)
+    X, _, J, decay, error, _ = spectrum
     n = np.arange(1.0, X.shape[-1])
-    tails, creeps, ratios = [tail], [creep(relaxations[0])], [np.ones(n.size)]
-    if bulk is not None:
-        A_rt, G = (float(layers[0][k] or 0.0) for k in (3, 4))  # never None
-        tails.append(bulk.tail)
-        creeps.append(creep(bulk_relaxation(A_rt, G, relaxations[0])))
-        ratios.append(bulk.creep_ratio(n))
     mean, X = X[..., 0].real / 2, X[..., 1:]
     # coefficients of 1/n^j of the displacements X_n, the slopes n X_n and the strains (1, n) X_n,
     # (parts, J + 1, ...)
@@ -210,6 +195,54 @@ def layered_kernels(
         smooth_gradients=smooth,
         lag=lag,
     )
+
+
+class _Parts(NamedTuple):
+    """The compliances of a rolling cylinder by harmonics, as a sum of parts with a creep each.
+
+    Attributes
+    ----------
+    spectrum : Spectrum
+        Compliances relative to the first creep compliance, J_n.
+    tails : list of (powers, 2, 2) arrays
+        Coefficients of 1/n^j of each part.
+    creeps : list of Creep
+    ratios : list of (n,) arrays
+        Creep compliances relative to the first one.
+    """
+
+    spectrum: Spectrum
+    tails: list[Array]
+    creeps: list[Creep]
+    ratios: list[Array]
+
+
+def _parts(
+    radius: float,
+    layers: Layers,
+    relaxations: tuple[Relaxation, ...],
+    open_bore: bool,
+    constant_bulk: tuple[bool, ...],
+) -> _Parts:
+    """Return the compliances by harmonics; parameters as of :func:`layered_kernels`."""
+
+    def factors(n: Array) -> Array:
+        """Return E(in/R)/E_inf, or G(in/R)/G_inf with a constant bulk modulus, (L, n)."""
+        return np.array([modulus_ratio(relaxation, n / radius) for relaxation in relaxations])
+
+    if len(layers) == 1 and not constant_bulk[0]:
+        # all compliances of a single layer vary as J_n: X_n is elastic
+        spectrum = _elastic_spectrum(layers, open_bore)
+    else:
+        spectrum = _spectrum(layers, open_bore, RelaxingModuli(factors, constant_bulk))
+    bulk, n = spectrum.bulk, np.arange(1.0, spectrum.Y.shape[-1])
+    tails, creeps, ratios = [spectrum.tail], [creep(relaxations[0])], [np.ones(n.size)]
+    if bulk is not None:
+        A_rt, G = (float(layers[0][k] or 0.0) for k in (3, 4))  # never None
+        tails.append(bulk.tail)
+        creeps.append(creep(bulk_relaxation(A_rt, G, relaxations[0])))
+        ratios.append(bulk.creep_ratio(n))
+    return _Parts(spectrum, tails, creeps, ratios)
 
 
 class SplitSum(NamedTuple):

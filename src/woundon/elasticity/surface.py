@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf, log, prod
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -201,6 +201,19 @@ class InterpolatedSurface:
         return [one + self.share * (two - one) for one, two in zip(first, second, strict=True)]
 
 
+class HasSurface(Protocol):
+    """A body, as :class:`SurfacesByHalfWidth` uses it."""
+
+    @property
+    def linear(self) -> bool:
+        """True if the surface responds linearly."""
+        ...
+
+    def surface(self, face: Face, half_width: float, speed: float | None) -> SurfaceResponse:
+        """Return the response of the surface where it touches the web."""
+        ...
+
+
 class SurfacesByHalfWidth:
     """The surfaces of several bodies at any half width a, interpolated between computed ones.
 
@@ -220,15 +233,16 @@ class SurfacesByHalfWidth:
         V [m/s], on which viscoelastic bodies depend.
     """
 
-    def __init__(self, bodies: Sequence[Any], speed: float | None = None) -> None:
+    def __init__(self, bodies: Sequence[HasSurface], speed: float | None = None) -> None:
         self.bodies, self.speed = bodies, speed
         # (x, surfaces) at one or two half widths, the latest first
         self.computed: list[tuple[float, tuple[SurfaceResponse, ...]]] = []
 
-    def surface_of(self, body: Any, face: Face, a: float, speed: float | None) -> SurfaceResponse:
+    def surface_of(
+        self, body: HasSurface, face: Face, a: float, speed: float | None
+    ) -> SurfaceResponse:
         """Compute the surface of a body on a face."""
-        surface: SurfaceResponse = body.surface(face, a, speed)
-        return surface
+        return body.surface(face, a, speed)
 
     def at(self, a: float, faces: Sequence[Face], tolerance: float) -> tuple[SurfaceResponse, ...]:
         """Return the surfaces at a half width.

@@ -10,7 +10,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple, TypeAlias, get_args
 
 from pydantic.fields import FieldInfo
 
@@ -57,6 +57,8 @@ A value is a text with its unit ("66 um", "3.38 GPa", "20 pli", "19 %") or a pla
 Loads and tensions are per metre of width.  Fields outside of a [section] come first.
 
 Each comment gives symbol, description, typical range and, in parentheses, the permitted range."""
+
+TomlValue: TypeAlias = "bool | str | float | tuple[TomlValue, ...] | list[TomlValue]"
 
 
 def template(kind: str = "nip") -> str:
@@ -324,8 +326,10 @@ class _Writer:
         value, info = getattr(thing, name), type(thing).model_fields[name]
         if is_unset(value):
             return Row(name, UNSET, _comment_of_unset(info, of_field))
-        if isinstance(value, Description):  # a named material: others have sections
-            return Row(name, toml_value(material_name(value)), _NAME_OR_TABLE)
+        if isinstance(value, Description):
+            material = material_name(value)
+            assert material is not None  # others have sections
+            return Row(name, toml_value(material), _NAME_OR_TABLE)
         return Row(name, toml_value(value, quantity_of(info, of_field)), field_comment(info))
 
     def kind_row(self, thing: Family, holder: FieldInfo) -> Row:
@@ -408,7 +412,7 @@ def _with_comment(text: str, comment: str, column: int) -> list[str]:
     return [f"{text.ljust(column)}  # {first}", *(f"{'':{column}}  # {part}" for part in others)]
 
 
-def toml_value(value: Any, quantity: Quantity | None = None) -> str:
+def toml_value(value: TomlValue, quantity: Quantity | None = None) -> str:
     """Return the value of a field as TOML; a number of a quantity as a text with its unit.
 
     A number for which no text with a unit is exact is written as a plain number in SI.

@@ -444,7 +444,7 @@ def decimal_sign(sheet: Sheet) -> str:
     return "," if has_decimal_comma else "."
 
 
-def as_plain_number(cell: Any, sign: str) -> Any:
+def as_plain_number(cell: object, sign: str) -> object:
     """Return a cell of a text file as a number if it is a plain one; other cells unchanged.
 
     Whole numbers with leading zeros, or more digits than a spreadsheet holds, are identifiers.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -17,6 +17,8 @@ from .frames import to_frame
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["ResultInUnits", "check_names", "in_units", "units", "units_of"]
 
@@ -210,10 +212,15 @@ class ResultInUnits:
         frame.attrs["units"] = {name: self.units[name] or "1" for name in frame}
         return frame
 
-    def plot(self, *args: Any, **options: Any) -> Any:
+    def plot(
+        self,
+        path: str | PathLike[str] | None = None,
+        ax: Axes | None = None,
+        panels: str | Sequence[str] | None = None,
+    ) -> Figure | Axes:
         """Draw the result; see :meth:`woundon.Result.plot`."""
         with shown_in(self._choice):
-            return self.result.plot(*args, **options)
+            return self.result._figure(path, ax, panels)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write a ``.csv`` table; netCDF and JSON files are always in SI."""

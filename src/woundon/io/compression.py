@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from ..problems.messages import quote
 from ..problems.units import parse
 from ..quantities import Quantity, length, strain, stress
 from .cells import numbers_by_name
-from .sheets import Sheet, find_table
+from .sheets import Sheet, TableSource, find_table
 from .tables import OTHERS, Names, is_known_header, match_columns
 
 __all__ = ["Branch", "CompressionTest", "branches_of", "read_compression_test", "rising_means"]
@@ -93,7 +93,7 @@ class CompressionTest:
 
 
 def read_compression_test(
-    data: Any,
+    data: TableSource,
     *,
     area: float | str | None = None,
     height: float | str | None = None,

@@ -14,7 +14,7 @@ from ..errors import InvalidProblem
 __all__ = ["json_text", "plain"]
 
 
-def json_text(value: Any) -> str:
+def json_text(value: object) -> str:
     """Return a value as indented JSON.
 
     >>> print(json_text({"low": np.float64("nan")}))

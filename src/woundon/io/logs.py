@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from ..errors import InvalidProblem, one_of
 from ..quantities import Quantity, length, velocity
 from ..quantities import tension as tension_quantity
 from .cells import Conversion, numbers_by_name
-from .sheets import find_table
+from .sheets import TableSource, find_table
 from .tables import OTHERS, Names, is_known_header, match_columns
 
 __all__ = ["MOST_BINS", "POSITIONS", "BinnedLog", "binned", "read_binned"]
@@ -124,7 +123,7 @@ class BinnedLog:
 
 
 def read_binned(
-    data: Any,
+    data: TableSource,
     fields: Mapping[str, Quantity],
     *,
     columns: Mapping[str, str | None] | None = None,

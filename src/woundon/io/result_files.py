@@ -11,7 +11,7 @@ import json
 from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -49,7 +49,7 @@ def save_result(result: Result, path: str | PathLike[str]) -> None:
     write_whole(path, writer_for(path)(result))
 
 
-def load_result(path: str | Path) -> Any:
+def load_result(path: str | Path) -> Result:
     """Return the result saved in a netCDF or JSON file.
 
     The ``sha256`` in the file must be that of its content, and all arrays must have the shapes and

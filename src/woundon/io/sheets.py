@@ -16,7 +16,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -34,6 +34,9 @@ from .table_files import (
     need_openpyxl,
     text_rows,
 )
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["BINARY", "TABLES", "Sheet", "TableFile", "find_table", "read_sheet"]
 
@@ -109,6 +112,10 @@ class TableFile(NamedTuple):
 
 
 IsKnown = Callable[[str], bool]
+# A path, a file that was sent, columns by name, or a table that was read.
+TableSource: TypeAlias = (
+    "str | os.PathLike[str] | TableFile | Mapping[str, Any] | pd.DataFrame | Sheet"
+)
 
 
 def _nothing_known(header: str) -> bool:
@@ -116,7 +123,7 @@ def _nothing_known(header: str) -> bool:
     return False
 
 
-def read_sheet(data: Any, name: str, is_known: IsKnown = _nothing_known) -> Sheet:
+def read_sheet(data: TableSource, name: str, is_known: IsKnown = _nothing_known) -> Sheet:
     """Read a table as :func:`find_table`; remarks are issued as warnings.
 
     Examples
@@ -130,7 +137,9 @@ def read_sheet(data: Any, name: str, is_known: IsKnown = _nothing_known) -> Shee
     return sheet
 
 
-def find_table(data: Any, name: str, is_known: IsKnown = _nothing_known, sheet: str = "") -> Sheet:
+def find_table(
+    data: TableSource, name: str, is_known: IsKnown = _nothing_known, sheet: str = ""
+) -> Sheet:
     r"""Read a table.
 
     Parameters

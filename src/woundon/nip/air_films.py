@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..quantities import Values, as_given
 from .air_inlet import film_factor
 
 if TYPE_CHECKING:
@@ -21,11 +22,15 @@ __all__ = [
     "nip_film",
 ]
 
+Array = np.ndarray
+
 # constant of y''' = (y - 1)/y^3, from y'' far upstream of the roll; a test integrates it
 FOIL = 0.64304
 
 
-def foil_film(radius: Any, speed: Any, tension: Any, viscosity: float) -> Any:
+def foil_film(
+    radius: float | Array, speed: float | Array, tension: Values, viscosity: float
+) -> Values:
     """Return the film under a web that runs onto a roll without a nip [m].
 
     h = 0.643 R (6 mu (V_web + V_roll)/T)^(2/3) with V_web = V_roll, for a wide, impermeable and
@@ -38,10 +43,10 @@ def foil_film(radius: Any, speed: Any, tension: Any, viscosity: float) -> Any:
     viscosity : float
         mu [Pa s].
     """
-    speed, tension = np.asarray(speed, dtype=float), np.asarray(tension, dtype=float)
+    V, T = np.asarray(speed, dtype=float), np.asarray(tension, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
-        film = FOIL * np.asarray(radius) * (12 * viscosity * speed / tension) ** (2 / 3)
-    return np.where(speed == 0, 0.0, film)[()]
+        film = FOIL * np.asarray(radius) * (12 * viscosity * V / T) ** (2 / 3)
+    return as_given(np.where(V == 0, 0.0, film))
 
 
 class NipFilm(NamedTuple):
@@ -81,7 +86,9 @@ def nip_film(
     return NipFilm(film_factor(beta) * compliance * gradient * length**1.5, length, beta)
 
 
-def escaped_film(film: Any, permeance: float, tension: Any, speed: Any) -> Any:
+def escaped_film(
+    film: Values, permeance: float, tension: float | Array, speed: float | Array
+) -> Values:
     """Return the thickness of a film after one revolution of the roll [m].
 
     Under the pressure T/R of a layer the air flows through the web at the speed k T/R.  During one
@@ -95,13 +102,14 @@ def escaped_film(film: Any, permeance: float, tension: Any, speed: Any) -> Any:
     permeance : float
         k, speed of the air through the web per pressure [m/(Pa s)].
     """
-    film, speed = np.asarray(film, dtype=float), np.asarray(speed, dtype=float)
+    h, V = np.asarray(film, dtype=float), np.asarray(speed, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
-        lost = 2 * pi * permeance * np.asarray(tension, dtype=float) / speed
-    return np.where(film > 0, np.maximum(film - np.where(speed > 0, lost, 0.0), 0.0), 0.0)[()]
+        lost = 2 * pi * permeance * np.asarray(tension, dtype=float) / V
+    left = np.maximum(h - np.where(V > 0, lost, 0.0), 0.0)
+    return as_given(np.where(h > 0, left, 0.0))
 
 
-def friction_share(film: Any, roughness: float, full: float, none: float) -> Any:
+def friction_share(film: Values, roughness: float, full: float, none: float) -> Values:
     """Return the fraction of the friction without air that remains with a film [1].
 
     It decreases linearly with the thickness of the film.
@@ -117,10 +125,10 @@ def friction_share(film: Any, roughness: float, full: float, none: float) -> Any
         the roughness.
     """
     relative = np.asarray(film, dtype=float) / roughness
-    return np.clip((none - relative) / (none - full), 0.0, 1.0)[()]
+    return as_given(np.clip((none - relative) / (none - full), 0.0, 1.0))
 
 
-def friction_between(film: float, pressure: Any, air: Air) -> Any:
+def friction_between(film: float, pressure: Values, air: Air) -> Values:
     """Return the fraction of the friction between layers that remains under a pressure [1].
 
     The film between the layers is compressed isothermally; no air escapes.
@@ -134,4 +142,5 @@ def friction_between(film: float, pressure: Any, air: Air) -> Any:
     air : Air
     """
     compressed = film * air.ambient_pressure / (air.ambient_pressure + np.asarray(pressure))
-    return friction_share(compressed, air.roughness, air.full_friction, air.no_friction)
+    share: Any = friction_share(compressed, air.roughness, air.full_friction, air.no_friction)
+    return share

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import inf, isnan
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from ..results import ACCEPTED_RESIDUAL, Residuals, largest
 from .conditions import LARGEST_MESH, body_equilibrium, difference, friction_law, negative_pressure
 from .energy import dissipation, power_balance, work_on_bodies
 from .entrained_air import air_conditions
+from .nip_fields import NipFields
 from .outputs import (
     ROUNDING,
     SLIP_RATIOS,
@@ -55,7 +56,7 @@ Array = np.ndarray
 INCONSISTENT, MIN_REDUCTION = 3.0, 0.3
 
 
-def equations_of(result: Any) -> NipSystem | SeveralNips:
+def equations_of(result: NipFields) -> NipSystem | SeveralNips:
     """Return the equations on the mesh of a result.
 
     Raises
@@ -68,7 +69,7 @@ def equations_of(result: Any) -> NipSystem | SeveralNips:
     return system_of(result.without_air, result.nodes)
 
 
-def state_of(result: Any, system: NipSystem | SeveralNips) -> NipState | SeveralState:
+def state_of(result: NipFields, system: NipSystem | SeveralNips) -> NipState | SeveralState:
     """Return the state of the unknowns that a result reports.
 
     Responses may be interpolated between half widths of ``system`` next to that of the result.
@@ -83,7 +84,7 @@ def state_of(result: Any, system: NipSystem | SeveralNips) -> NipState | Several
     return system.evaluate(u, FINAL_TOLERANCE)
 
 
-def _unknowns_of(result: Any, equations: NipEquations) -> Array:
+def _unknowns_of(result: NipFields, equations: NipEquations) -> Array:
     """Return the unknowns that a result reports, of one nip."""
     layout, web, problem = equations.layout, result.problem.web, equations.problem
     if result.x.size != layout.end + 1:
@@ -100,7 +101,7 @@ def _unknowns_of(result: Any, equations: NipEquations) -> Array:
     return u
 
 
-def certificate(result: Any, system: NipSystem | SeveralNips) -> Residuals:
+def certificate(result: NipFields, system: NipSystem | SeveralNips) -> Residuals:
     """Return the largest violation of every contact condition, dimensionless.
 
     Parameters
@@ -128,11 +129,13 @@ def certificate(result: Any, system: NipSystem | SeveralNips) -> Residuals:
     if (result.air is None) != (result.problem.air is None):
         conditions["air_film"] = inf
     elif result.air is not None:
-        conditions |= air_conditions(result)
+        nip = result.in_nip
+        arrays = result.x[nip], result.roll_pressure[nip]
+        conditions |= air_conditions(result.air, result.problem, *arrays, result.half_width)
     return Residuals(**conditions)
 
 
-def _conditions(result: Any, equations: NipEquations, state: NipState) -> dict[str, float]:
+def _conditions(result: NipFields, equations: NipEquations, state: NipState) -> dict[str, float]:
     """Return the largest violation of every contact condition of one nip."""
     f, zones = state.fields, _zones_of_tractions(result, equations)
     # the arrays that follow from the unknowns of the result
@@ -144,7 +147,7 @@ def _conditions(result: Any, equations: NipEquations, state: NipState) -> dict[s
     return conditions | body_equilibrium(equations.problem, surfaces, (f.on_roll, f.on_drum))
 
 
-def _zones_of_tractions(result: Any, equations: NipEquations) -> Array:
+def _zones_of_tractions(result: NipFields, equations: NipEquations) -> Array:
     """Return the zones of the traction nodes, (k,), roll then drum."""
     layout = equations.layout
     return np.append(result.roll_zone[layout.roll_nodes], result.drum_zone[layout.drum_nodes])
@@ -153,13 +156,13 @@ def _zones_of_tractions(result: Any, equations: NipEquations) -> Array:
 Arrays = Mapping[str, Array]
 
 
-def _difference(result: Any, expected: Arrays, *names: str) -> float:
+def _difference(result: NipFields, expected: Arrays, *names: str) -> float:
     """Return the largest difference of the named arrays of a result from the expected ones."""
     return largest([difference(getattr(result, name), expected[name]) for name in names])
 
 
 def _equations_and_friction(
-    result: Any, equations: NipEquations, state: NipState, expected: Arrays, zones: Array
+    result: NipFields, equations: NipEquations, state: NipState, expected: Arrays, zones: Array
 ) -> dict[str, float]:
     """Return the residuals of gap slope, resultants and friction law.
 
@@ -186,7 +189,7 @@ def _equations_and_friction(
 
 
 def _reported_arrays(
-    result: Any, equations: NipEquations, state: NipState, expected: Arrays
+    result: NipFields, equations: NipEquations, state: NipState, expected: Arrays
 ) -> dict[str, float]:
     """Return the differences of the reported arrays from the expected ones.
 
@@ -216,7 +219,7 @@ def _reported_arrays(
 
 
 def _wrap_conditions(
-    result: Any, equations: NipEquations, state: NipState, expected: Arrays
+    result: NipFields, equations: NipEquations, state: NipState, expected: Arrays
 ) -> dict[str, float]:
     """Return the residual of the normal equilibrium on the wraps, and that of the curvature."""
     problem, layout, f = equations.problem, equations.layout, state.fields
@@ -270,7 +273,7 @@ def _quadratures(equations: NipEquations, state: NipState) -> dict[str, float]:
     }
 
 
-def consistency(result: Any) -> Residuals:
+def consistency(result: NipFields) -> Residuals:
     """Return the absolute defects of :func:`consistency_defects` from the arrays of a result."""
     equations = equations_of(result)
     defects = consistency_defects(equations, state_of(result, equations))
@@ -302,7 +305,7 @@ def inconsistencies(meshes: Sequence[MeshSolution]) -> list[str]:
     return texts
 
 
-def recomputed(result: Any) -> dict[str, tuple[float, float]]:
+def recomputed(result: NipFields) -> dict[str, tuple[float, float]]:
     """Return (recomputed value, tolerance) of the scalars that no contact condition determines."""
     system = equations_of(result)
     state = state_of(result, system)
@@ -325,7 +328,7 @@ def recomputed(result: Any) -> dict[str, tuple[float, float]]:
     return values
 
 
-def recomputed_solution(result: Any) -> MeshSolution:
+def recomputed_solution(result: NipFields) -> MeshSolution:
     """Return the solution on the last mesh from the arrays of a result."""
     equations = equations_of(result)
     parts = zip(equations.parts_of(result), equations.nips, strict=True)

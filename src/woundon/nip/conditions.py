@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Any
 
 import numpy as np
 
+from ..elasticity.surface import SurfaceResponse
 from ..errors import InvalidProblem
+from ..problems.contact_problem import ContactProblem
 from ..results import largest
 
 __all__ = [
@@ -75,7 +76,9 @@ def difference(one: Array, two: Array) -> float:
 
 
 def body_equilibrium(
-    problem: Any, surfaces: tuple[Any, Any], loads: tuple[tuple[Array, Array], ...]
+    problem: ContactProblem,
+    surfaces: tuple[SurfaceResponse, SurfaceResponse],
+    loads: tuple[tuple[Array, Array], ...],
 ) -> dict[str, float]:
     """Return the residual of the equilibrium inside each nonlinear body (energy norm).
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import exp, inf, log, pi
-from typing import Any, NamedTuple
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 from ..contact.newton import Jacobian
 from ..elasticity.mesh import Face
 from ..elasticity.surface import SurfaceResponse, SurfacesByHalfWidth, SurfaceTangent
+from ..problems.contact_problem import ContactProblem
 from .layout import Unknowns
 from .load_limit import frictionless_half_width, largest_half_width
 
@@ -69,7 +70,34 @@ class Side(NamedTuple):
         return by_p, by_q
 
 
-class ContactEquations:
+class WithHalfWidth(Protocol):
+    """The bodies for a half width."""
+
+    @property
+    def a(self) -> float:
+        """Half width [m]."""
+        ...
+
+
+class OfHalfWidth(Protocol):
+    """The state of the unknowns ``u``, with the bodies for its half width."""
+
+    @property
+    def geometry(self) -> WithHalfWidth:
+        """The bodies."""
+        ...
+
+    @property
+    def u(self) -> Array:
+        """Unknowns."""
+        ...
+
+
+Geometry = TypeVar("Geometry", bound=WithHalfWidth)
+State = TypeVar("State", bound=OfHalfWidth)
+
+
+class ContactEquations(Generic[Geometry, State]):
     """Equations of two bodies in contact: scales of the unknowns, and dependence on the half width.
 
     The derivative of the residuals by ln a contains that of the surfaces' responses
@@ -95,7 +123,7 @@ class ContactEquations:
     layout: Unknowns
     friction: float | Array
 
-    def __init__(self, problem: Any, load: float, guess: float) -> None:
+    def __init__(self, problem: ContactProblem, load: float, guess: float) -> None:
         self.problem, self.load = problem, load
         self.guessed_half_width = a = min(guess, BELOW_LARGEST * exp(self.largest_ln_a[0]))
         # scales: the maximum pressure of Hertz, and the slope of the gap at the contact edge
@@ -135,28 +163,28 @@ class ContactEquations:
         """ln of the largest half width that the bodies permit, (1,)."""
         return np.array([log(largest_half_width(self.problem))])
 
-    def evaluate(self, u: Array, tolerance: float = 0.0) -> Any:
+    def evaluate(self, u: Array, tolerance: float = 0.0) -> State:
         """Return the state of the unknowns u with responses of a relative error below a tolerance.
 
         By default they are exact.
         """
         return self.state(u, self.geometry(exp(u[self.layout.ln_a]), tolerance))
 
-    def fill_half_width_column(self, jacobian: Jacobian, state: Any) -> None:
+    def fill_half_width_column(self, jacobian: Jacobian, state: State) -> None:
         """Write the derivatives by ln a, by a difference quotient, into their column.
 
         The responses are interpolated: an error of 1 % in this column only slows the convergence.
         """
         self.fill_column(jacobian, state, self.shifted(state))
 
-    def shifted(self, state: Any) -> Any:
+    def shifted(self, state: State) -> State:
         """Return the state of the same unknowns for a larger ln a, by DIFFERENCE."""
         a = state.geometry.a
         if len(self.surfaces.computed) == 1:
             self.geometry(a * exp(SECOND))
         return self.state_like(state, self.geometry(a * exp(DIFFERENCE), inf))
 
-    def fill_column(self, jacobian: Jacobian, state: Any, shifted: Any) -> None:
+    def fill_column(self, jacobian: Jacobian, state: State, shifted: State) -> None:
         """Write the derivatives by ln a into their column from a state and the shifted one."""
         for name, matrix in jacobian._asdict().items():
             change = getattr(shifted, name) - getattr(state, name)
@@ -173,18 +201,18 @@ class ContactEquations:
 
     # ---- for subclasses ------------------------------------------------------------------------
 
-    def geometry(self, a: float, tolerance: float = 0.0) -> Any:
+    def geometry(self, a: float, tolerance: float = 0.0) -> Geometry:
         """Return the surfaces for a half width, with an error below a tolerance (:meth:`sides`).
 
         ``a`` is its first item.
         """
         raise NotImplementedError
 
-    def state(self, u: Array, geometry: Any) -> Any:
+    def state(self, u: Array, geometry: Geometry) -> State:
         """Return the state of the unknowns u."""
         raise NotImplementedError
 
-    def state_like(self, state: Any, geometry: Any) -> Any:
+    def state_like(self, state: State, geometry: Geometry) -> State:
         """Return the state of the same unknowns for another geometry."""
         return self.state(state.u, geometry)
 

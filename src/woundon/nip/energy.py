@@ -27,13 +27,14 @@ functions where they are known: the two agree to the order of the discretisation
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..elasticity.surface import Deformation
 
 if TYPE_CHECKING:
+    from ..problems.contact_problem import ContactProblem
     from .contact_equations import Side
     from .equations import NipEquations, NipState
 
@@ -43,7 +44,6 @@ __all__ = [
     "dissipation",
     "power_balance",
     "pressure_resultant",
-    "roller_power_balance",
     "work_on_bodies",
 ]
 
@@ -121,7 +121,7 @@ def work_on_bodies(state: NipState) -> tuple[BodyWork, BodyWork]:
     return body_work(roll, own, *f.on_roll, a), body_work(drum, f.drum, *f.on_drum, a)
 
 
-def dissipation(problem: Any, bodies: tuple[BodyWork, BodyWork]) -> float:
+def dissipation(problem: ContactProblem, bodies: tuple[BodyWork, BodyWork]) -> float:
     """Return the work on the viscoelastic bodies per length rolled and width [N/m]."""
     pairs = zip(problem.bodies, bodies, strict=True)
     return sum(work.work for body, work in pairs if body.viscoelastic)
@@ -162,22 +162,3 @@ def power_balance(equations: NipEquations, state: NipState) -> float:
     # the work on an elastic body is zero; its discretisation error is part of the defect
     dissipated = dissipation(problem, (roll, drum))
     return float((dissipated - supplied) / (problem.nip_load * a / problem.contact_radius))
-
-
-def roller_power_balance(result: Any, bodies: tuple[BodyWork, BodyWork]) -> float:
-    """Return the violation of the power balance of two rollers, relative to P a/R*.
-
-    Parameters
-    ----------
-    result : RollerResult
-    bodies : pair of BodyWork
-    """
-    problem, x, p, q = result.problem, result.x, result.pressure, result.traction
-    h, R = np.diff(x), problem.contact_radius
-    load, position = pressure_resultant(x, p)
-    middle = result.slip_x[1:]
-    fraction = (middle - x[:-1]) / h
-    friction = float(h @ (((1 - fraction) * q[:-1] + fraction * q[1:]) * result.slip[1:]))
-    supplied = load * (result.offset - position) / R + result.creepage * result.tangential_load
-    supplied -= friction + sum(work.curvature_work for work in bodies)
-    return abs(result.rolling_resistance - supplied) / (load * result.half_width / R)

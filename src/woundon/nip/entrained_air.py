@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import exp, log
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 
@@ -268,18 +268,18 @@ def _film_thickness(
     return np.asarray(mass / (p_a + pressure))
 
 
-def air_conditions(result: Any) -> dict[str, float]:
+def air_conditions(
+    air: AirFilm, problem: NipProblem, x: Array, pressure: Array, half_width: float
+) -> dict[str, float]:
     """Return the relative residuals of the equations of the film.
 
     ``air_inlet``: K, recomputed from the pressure.  ``air_film``: films and friction coefficients,
     recomputed from K and the half width.  ``air_film_profile``: the film at every node.
+    Parameters other than the film are those of :func:`air_film`.
     """
-    air, nip = result.air, result.in_nip
-    assert air is not None
-    arrays = result.x[nip], result.roll_pressure[nip]
-    gradient = inlet_gradient(result.problem, *arrays, result.half_width)
-    films = films_of(result.problem, air.gradient, result.half_width)
-    profile = _film_thickness(result.problem, arrays[1], result.half_width, air.film_in_nip)
+    gradient = inlet_gradient(problem, x, pressure, half_width)
+    films = films_of(problem, air.gradient, half_width)
+    profile = _film_thickness(problem, pressure, half_width, air.film_in_nip)
     return {
         "air_inlet": abs(air.gradient - gradient) / gradient,
         "air_film": largest(
@@ -302,7 +302,8 @@ def air_warnings(problem: NipProblem, film: AirFilm, half_width: float) -> tuple
             f"{film.inlet_length / half_width:.2g} of the half width; the model assumes that it is "
             "much shorter: the film changes the pressure of the nip"
         )
-    air: Any = problem.air
+    air = problem.air
+    assert air is not None
     if film.film_in_nip >= air.no_friction * air.roughness:
         warnings.append(
             f"the air film in the nip is {film.film_in_nip * 1e6:.3g} um thick, more than "

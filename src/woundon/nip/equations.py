@@ -36,7 +36,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import log
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -44,6 +44,7 @@ from ..contact.newton import Iterate, Jacobian
 from ..elasticity.mesh import Mesh, Wrap, nip_mesh
 from ..elasticity.surface import Deformation
 from ..problems.bodies import half_width_guess
+from ..problems.nip import NipProblem
 from .contact_equations import ContactEquations, Side, nearest
 from .layout import Layout
 from .load_limit import largest_half_width
@@ -128,7 +129,7 @@ class NipState(Iterate):
         return (self,)
 
 
-class NipEquations(ContactEquations):
+class NipEquations(ContactEquations[Geometry, NipState]):
     """Residual and Jacobian of a nip on a mesh of ``size`` nodes in the nip.
 
     Parameters
@@ -144,11 +145,12 @@ class NipEquations(ContactEquations):
         False if there are other nips on the roll.
     """
 
+    problem: NipProblem
     layout: Layout
 
     def __init__(
         self,
-        problem: Any,
+        problem: NipProblem,
         size: int,
         like: Mesh | None = None,
         is_last: bool = True,
@@ -183,7 +185,7 @@ class NipEquations(ContactEquations):
         """Traction nodes on the drum, whose slip velocity contains the creepage."""
         return [np.arange(self.layout.roll_nodes.size, self.friction.size)]
 
-    def for_problem(self, problem: Any) -> Self:
+    def for_problem(self, problem: NipProblem) -> Self:
         """Return the equations of a neighbouring problem with the same numbers of cells."""
         return type(self)(problem, self.size, self._first_mesh, self.is_last, self.is_alone)
 

@@ -33,7 +33,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import ceil, inf, isinf
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
@@ -45,6 +45,7 @@ from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
 from ..quantities import length, pure
 from ..results import ReadOnly
+from .nip_fields import NipFields
 
 __all__ = ["LayerSlip", "friction_limit", "interior_stress", "layer_slip", "wound_in_pressure"]
 
@@ -144,7 +145,7 @@ class LayerSlip(ReadOnly):
         return f"{text}: the tension holds only if the layers below the web do not slide"
 
 
-def layer_slip(result: Any) -> LayerSlip | None:
+def layer_slip(result: NipFields) -> LayerSlip | None:
     """Return the index of slip between the layers of the roll.
 
     Parameters
@@ -209,7 +210,7 @@ def _ratios(shear: Array, limit: Array) -> Array:
     return np.divide(shear, limit, out=np.full(shear.shape, inf), where=limit > 0)
 
 
-def friction_limit(result: Any, pressure: Array) -> Array:
+def friction_limit(result: NipFields, pressure: Array) -> Array:
     """Return mu P, the shear that friction between the layers carries under a pressure P [Pa].
 
     Parameters
@@ -222,7 +223,7 @@ def friction_limit(result: Any, pressure: Array) -> Array:
     return limit
 
 
-def interior_stress(result: Any, depths: Array) -> tuple[Section, ...] | None:
+def interior_stress(result: NipFields, depths: Array) -> tuple[Section, ...] | None:
     """Return the stresses that the nip adds in the roll.
 
     Parameters
@@ -249,7 +250,7 @@ def interior_stress(result: Any, depths: Array) -> tuple[Section, ...] | None:
     return result.problem.roll.interior_stress(x, p, q, np.asarray(depths), a)
 
 
-def wound_in_pressure(result: Any, depths: Array) -> Array:
+def wound_in_pressure(result: NipFields, depths: Array) -> Array:
     """Return P0 at depths z [m] below the surface of the roll, (m,) [Pa].
 
     P0 is the sum T z/R over the layers above, at most the plateau pressure of the stack.  The depth
@@ -266,17 +267,18 @@ def wound_in_pressure(result: Any, depths: Array) -> Array:
         return P0
     # other laws are measured with the air between the layers; the tension of a stack with a film
     # is per thickness of web and film
-    if result.air is not None and isinstance(stack.radial, SolidLaw):
+    film, air = result.air, problem.air
+    if film is not None and air is not None and isinstance(stack.radial, SolidLaw):
         h = problem.web.thickness
-        stack = stack_with_film(stack, result.air.film, h, problem.air)
-        T *= h / (h + result.air.film)
+        stack = stack_with_film(stack, film.film, h, air)
+        T *= h / (h + film.film)
     try:
         return np.minimum(P0, stack.plateau_pressure(T))
     except InvalidProblem:  # the law ends below the plateau
         return np.minimum(P0, stack.radial.max_pressure)
 
 
-def _blocks(result: Any) -> list[Array]:
+def _blocks(result: NipFields) -> list[Array]:
     """Return the numbers of the interfaces to be evaluated, from the surface, in blocks.
 
     The spacing grows with the depth: max(1, SKIPPED_SHARE n) below interface n.

@@ -12,13 +12,14 @@ eps_1 the strain of the roll's surface under nip and wrap and eps_closed that un
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from ..contact.refinement import Refinement
+from ..problems.nip import NipProblem
 from .energy import dissipation, pressure_resultant, work_on_bodies
 from .equations import Fields, Geometry, NipEquations, NipState
+from .nip_fields import NipFields
 from .zones import LEAST_OFFSET_ERROR, cusp_excess, has_traction_jump, slip_lengths
 
 __all__ = [
@@ -190,7 +191,7 @@ def drum_creepage(equations: NipEquations, state: NipState) -> float:
     return float(xi - web.compliance.c11 / web.thickness * T_end)
 
 
-def slip_ratios(problem: Any, arrays: Mapping[str, Array], nip: slice) -> dict[str, float]:
+def slip_ratios(problem: NipProblem, arrays: Mapping[str, Array], nip: slice) -> dict[str, float]:
     """Return the signed slip lengths over the nip width (thesis eq. 172), by name.
 
     Parameters
@@ -286,7 +287,7 @@ class NipSystem(NipEquations):
         """Return the fields along the web by the names of the results (:func:`web_arrays`)."""
         return web_arrays(self, state, active)
 
-    def parts_of(self, result: Any) -> list[Any]:
+    def parts_of(self, result: NipFields) -> list[NipFields]:
         """Return the arrays and scalars of each nip in a result: the result itself."""
         return [result]
 
@@ -321,6 +322,7 @@ class NipSystem(NipEquations):
         if self.drum_wrap:
             out["drum_wrap_traction"] = float(T[layout.first] - T[0])
         if self.problem.viscoelastic:
+            assert self.problem.rolling_speed is not None
             out["rolling_resistance"] = dissipation(self.problem, work_on_bodies(state))
             out["dissipated_power"] = self.problem.rolling_speed * out["rolling_resistance"]
             nip = mesh.nip_nodes

@@ -2,104 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from math import nan
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 
 from ..errors import InvalidProblem, warn
 from ..problems.air import with_film
 from ..problems.messages import quote
-from ..problems.nip import NipProblem
 from ..problems.roll import RollProblem
-from ..quantities import Quantity, angle, length, line_load, on_request, pure, share, strain, stress
-from ..results import Residuals, Result, Zone
-from .air_films import friction_between
-from .energy import pressure_resultant
-from .entrained_air import AirFilm
+from ..quantities import angle, length, line_load, on_request, stress
+from ..results import Residuals, Zone
 from .layer_slip import LayerSlip, layer_slip
-from .roll_contact import RollContact, contacts_of, tensions_of_first_nips
+from .nip_fields import NipFields
+from .roll_contact import RollContact, contacts_of
 
 if TYPE_CHECKING:
     from ..contact.refinement import MeshSolution
-    from ..sensitivity import Sensitivity
 
-__all__ = ["ContactOutputs", "NipResult", "SlipRatios"]
+__all__ = ["NipResult", "SlipRatios"]
 
 Array = np.ndarray
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class ContactOutputs:
-    """What the results of a nip and of two rollers have in common.
-
-    Attributes
-    ----------
-    rolling_resistance : float
-        Dissipation of the viscoelastic bodies per length rolled [N/m], a force per metre of width;
-        nan without a viscoelastic body.
-    """
-
-    CONTACT_PRESSURE: ClassVar[str] = "pressure"  # name of the array of the contact pressure
-
-    rolling_resistance: Annotated[
-        float, line_load("F_R", "rolling resistance of the viscoelastic bodies")
-    ] = nan
-
-    @property
-    def dissipated_power(
-        self,
-    ) -> Annotated[
-        float, Quantity("D", "W/m", "power dissipated in the viscoelastic bodies, per width")
-    ]:
-        """V F_R [W/m]: the heat that goes into the covers."""
-        V = self.problem.rolling_speed  # type: ignore[attr-defined]
-        return nan if V is None else float(V * self.rolling_resistance)
-
-    @property
-    def pressure_shift(
-        self,
-    ) -> Annotated[float, length("e_p", "pressure resultant, downstream of the line of centres")]:
-        """Position of the pressure's resultant along +x, from the line of centres [m]."""
-        result: Any = self
-        if not result.problem.viscoelastic:
-            return nan
-        x, p = result.x[result.in_nip], getattr(result, result.CONTACT_PRESSURE)[result.in_nip]
-        return float(pressure_resultant(x, p)[1] - result.offset)
-
-    @property
-    def nodes(self) -> int:
-        """Number of nodes in the nip."""
-        in_nip: slice = self.in_nip  # type: ignore[attr-defined]
-        return in_nip.stop - in_nip.start
-
-    def sensitivity(self, *parameters: str, outputs: Sequence[str] = ()) -> Sensitivity:
-        """Return exact derivatives of outputs with respect to fields of the problem.
-
-        Parameters
-        ----------
-        parameters : str
-            Dotted names (``"roll.material.shear"``, ``"upper.material.youngs_modulus"``); every
-            continuous field if none is given.
-        outputs : sequence of str
-            Names; the main ones if none is given.
-        """
-        # imported late: many results are never differentiated
-        from .sensitivity import contact_sensitivity
-
-        result: Any = self
-        if result.refinement is not None:
-            meshes = result.refinement.meshes
-        else:  # loaded from a file
-            meshes = [result._recomputed_solution()]
-        outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-        return contact_sensitivity(
-            result, meshes, parameters, outputs or result._differentiated, result._excluded
-        )
 
 
 @dataclass(frozen=True)
@@ -112,7 +39,7 @@ class SlipRatios:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class NipResult(ContactOutputs, Result):
+class NipResult(NipFields):
     """The solution of a winding nip; the arrays run along the web.
 
     With wraps the arrays run from the web's first contact with the drum through the nip (the nodes
@@ -199,65 +126,6 @@ class NipResult(ContactOutputs, Result):
     )
     ESTIMATES: ClassVar[frozenset[str]] = frozenset({"iterations", "series_error", "series_terms"})
 
-    problem: NipProblem
-    roll_wound_on_tension: Annotated[
-        float, line_load("WOT_r", "wound-on tension of a closed layer on the roll")
-    ]
-    half_width: Annotated[float, length("a", "half-width of the nip")]
-    approach: Annotated[
-        float, length("delta", "centre approach (nip indentation) of roll and drum")
-    ]
-    offset: Annotated[
-        float, length("Delta", "offset of the line of centres from the contact centre")
-    ]
-    drum_creepage: Annotated[float, strain("xi-", "creepage between web and drum")]
-    leading_roll: Annotated[
-        float, share("s_l+", "slip length at the roll's leading edge / nip width")
-    ]
-    trailing_roll: Annotated[
-        float, share("s_t+", "slip length at the roll's trailing edge / nip width")
-    ]
-    dual: Annotated[float, share("s_d", "length of simultaneous slip on roll and drum / nip width")]
-    x: Annotated[Array, length("x", "position along the web, nip: [-a, a]")]
-    slip_x: Annotated[Array, length("x_v", "positions at which slip is evaluated")]
-    drum_pressure: Annotated[Array, stress("p-", "pressure of the web on the drum")]
-    roll_pressure: Annotated[Array, stress("p+", "pressure of the web on the roll")]
-    roll_traction: Annotated[Array, stress("q+", "traction of the web on the roll")]
-    drum_traction: Annotated[Array, stress("q-", "traction of the web on the drum")]
-    roll_slip: Annotated[Array, strain("v+", "slip of the web against the roll, > 0: web faster")]
-    drum_slip: Annotated[Array, strain("v-", "slip of the web against the drum, > 0: web faster")]
-    roll_zone: Annotated[
-        Array, pure("z+", "zone at the roll: 0 stick; slip: 1 web faster, -1 web slower"), Zone
-    ]
-    drum_zone: Annotated[
-        Array, pure("z-", "zone at the drum: 0 stick; slip: 1 web faster, -1 web slower"), Zone
-    ]
-    tension: Annotated[Array, line_load("T", "web tension along the nip")]
-    roll_strain: Annotated[Array, strain("eps1", "strain of the roll's surface along the web")]
-    hoop_pressure: Annotated[Array, stress("p_h", "hoop pressure, web tension times curvature")] = (
-        field(default_factory=lambda: np.zeros(0))
-    )
-    curvature: Annotated[
-        Array, Quantity("kappa", "1/m", "curvature of the web, > 0: centre in the roll")
-    ] = field(default_factory=lambda: np.zeros(0))
-    next_positions: Annotated[
-        Array, length("x_k", "centres of the further nips along the roll, from the first one")
-    ] = field(default_factory=lambda: np.zeros(0))
-    next_half_widths: Annotated[Array, length("a_k", "half-widths of the further nips")] = field(
-        default_factory=lambda: np.zeros(0)
-    )
-    next_offsets: Annotated[
-        Array, length("Delta_k", "offsets of the line of centres of the further nips")
-    ] = field(default_factory=lambda: np.zeros(0))
-    next_creepages: Annotated[
-        Array, strain("xi_k-", "creepages between the web and the further drums")
-    ] = field(default_factory=lambda: np.zeros(0))
-    air: AirFilm | None = None
-    iterations: Annotated[int, pure("n_it", "number of Newton iterations")] = 0
-    series_terms: Annotated[int, pure("n_s", "number of Fourier terms")] = 0
-    series_error: Annotated[float, pure("e_s", "estimated truncation error of the series")] = 0.0
-    refinement: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
-
     @property
     def nip_width(self) -> Annotated[float, length("2a", "nip width")]:
         """2a [m]."""
@@ -272,16 +140,6 @@ class NipResult(ContactOutputs, Result):
     def slip_ratios(self) -> SlipRatios:
         """The three signed slip lengths over the nip width (thesis eq. 172)."""
         return SlipRatios(self.leading_roll, self.trailing_roll, self.dual)
-
-    @cached_property
-    def in_nip(self) -> slice:
-        """The nodes of the nip: those between -a and a, edges included."""
-        distances = np.abs(self.x - [[-self.half_width], [self.half_width]])
-        nearest = distances.argmin(axis=1)
-        if np.isnan(distances[[0, 1], nearest]).any():  # damaged arrays: use the valid nodes
-            nearest = np.nanargmin(distances, axis=1)
-        first, last = nearest.tolist()
-        return slice(first, last + 1)
 
     @on_request
     def layer_slip(self) -> LayerSlip | None:
@@ -432,49 +290,7 @@ class NipResult(ContactOutputs, Result):
         """The nips in the direction of travel: the first one, then those of ``next_nips``."""
         return tuple(contacts_of(self))
 
-    @cached_property
-    def _tensions_of_first_nips(self) -> list[float]:
-        """Wound-on tensions of the first nips alone, for :attr:`.RollContact.added_tension`."""
-        return tensions_of_first_nips(self)
-
     # ---- entrained air --------------------------------------------------------------------------
-
-    @property
-    def without_air(self) -> NipProblem:
-        """The nip without air, with the friction coefficients that the film leaves."""
-        if self.air is None:
-            return self.problem
-        return self.problem.without_air(self.air.roll_friction, self.air.wrap_friction)
-
-    def layer_friction(self, pressure: float | Array) -> float | Array:
-        """Return the friction between layers of the roll under a pressure P, an array of its shape.
-
-        The air between the layers is compressed, h p_a/(p_a + P); none escapes.  Without air:
-        ``roll_friction``.
-
-        Parameters
-        ----------
-        pressure : array_like
-            P [Pa], >= 0.
-
-        Raises
-        ------
-        InvalidProblem
-            For anything else.
-        """
-        try:
-            P = np.asarray(pressure, dtype=float)
-        except (TypeError, ValueError):
-            text = f"{quote(pressure)} is out of place; must be numbers >= 0 [Pa]"
-            raise InvalidProblem.at("pressure", text) from None
-        if not (P >= 0).all():
-            text = f"{quote(float(np.min(P)))} is out of range; must be >= 0 [Pa]"
-            raise InvalidProblem.at("pressure", text)
-        air, dry_friction = self.problem.air, self.problem.roll_friction
-        if air is None or self.air is None:
-            return dry_friction * np.ones(P.shape)[()]
-        ratio: float | Array = friction_between(self.air.film, pressure, air)
-        return dry_friction * ratio
 
     def wound(self, roll: RollProblem) -> RollProblem:
         """Return a roll with the film of this nip between its layers; see :class:`.AirBetween`.

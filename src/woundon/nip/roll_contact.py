@@ -4,22 +4,52 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from itertools import pairwise
 from math import nan
-from typing import Any
 
 import numpy as np
 
 from ..contact.newton import NewtonFailed
 from ..contact.refinement import refine
+from .nip_fields import NipFields
 from .several_nips import system_of
 
-__all__ = ["LEAST_STICK", "RollContact", "contacts_of", "nip_nodes", "tensions_of_first_nips"]
+__all__ = ["LEAST_STICK", "RollContact", "contacts_of", "nip_nodes"]
 
 
 # Shortest stick zone of an arc, relative to its length: about a cell of a coarse mesh.
 LEAST_STICK = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class FirstNips:
+    """The same web with the first nips of a result alone; they are solved when they are used."""
+
+    result: NipFields
+
+    @cached_property
+    def tensions(self) -> list[float]:
+        """The wound-on tension of no nip, of the first one, the first two ... of all [N/m].
+
+        That of no nip is the web tension; nan if the iteration finds no solution.
+        """
+        result = self.result
+        problem, tensions = result.without_air, [result.problem.web_tension]
+        given = problem.next_nips
+        last_arc = problem.roll_wrap - sum(nip.angle for nip in given)
+        for count in range(len(given)):
+            kept = given[:count]
+            arc = max(last_arc, given[count].angle)
+            wrap = sum(nip.angle for nip in kept) + arc
+            fewer = problem.replace(next_nips=kept, roll_wrap=wrap)
+            try:
+                solved = refine(partial(system_of, fewer), nodes=result.nodes).last
+            except NewtonFailed:
+                tensions.append(nan)
+            else:
+                tensions.append(float(solved.outputs["roll_wound_on_tension"]))
+        return [*tensions, result.roll_wound_on_tension]
 
 
 @dataclass(frozen=True)
@@ -76,7 +106,7 @@ class RollContact:
     least_tension: float
     largest_tension: float
     number: int = field(repr=False)
-    result: Any = field(repr=False, compare=False)
+    first_nips: FirstNips = field(repr=False, compare=False)
 
     @property
     def sticks_upstream(self) -> bool:
@@ -93,11 +123,11 @@ class RollContact:
         The first nip adds its own to the web tension.  The same web is solved with the nips up to
         the one before, on as many nodes [N/m]; nan if that has no solution.
         """
-        tensions = self.result._tensions_of_first_nips
+        tensions = self.first_nips.tensions
         return float(tensions[self.number + 1] - tensions[self.number])
 
 
-def nip_nodes(result: Any) -> list[slice]:
+def nip_nodes(result: NipFields) -> list[slice]:
     """Return the nodes of each nip, edges included."""
     nips = [result.in_nip]
     for centre, a in zip(result.next_positions, result.next_half_widths, strict=True):
@@ -109,16 +139,18 @@ def nip_nodes(result: Any) -> list[slice]:
     return nips
 
 
-def contacts_of(result: Any) -> Iterator[RollContact]:
+def contacts_of(result: NipFields) -> Iterator[RollContact]:
     """Yield the nips of a result in the direction of travel."""
     problem, angle = result.problem, 0.0
+    first_nips = FirstNips(result)
     halves = [result.half_width, *result.next_half_widths]
     creepages = [result.drum_creepage, *result.next_creepages]
     nips = nip_nodes(result)
     arcs = [slice(0, 0), *(slice(one.stop - 1, two.start) for one, two in pairwise(nips))]
     for k, (nip, arc) in enumerate(zip(nips, arcs, strict=True)):
-        given: Any = problem.next_nips[k - 1] if k else problem
-        angle += given.angle if k else 0.0
+        further = problem.next_nips[k - 1] if k else None
+        given = further or problem
+        angle += further.angle if further else 0.0
         length, slips, sticks = _angles_before(result, arc) if k else (nan, nan, nan)
         T = result.tension[arc]
         yield RollContact(
@@ -138,11 +170,11 @@ def contacts_of(result: Any) -> Iterator[RollContact]:
             least_tension=float(T.min()) if k else nan,
             largest_tension=float(T.max()) if k else nan,
             number=k,
-            result=result,
+            first_nips=first_nips,
         )
 
 
-def _angles_before(result: Any, arc: slice) -> tuple[float, float, float]:
+def _angles_before(result: NipFields, arc: slice) -> tuple[float, float, float]:
     """Return the angles of an arc, of the slip back from its end, and of stick [rad].
 
     A single sticking node is a place where the slip changes its direction.
@@ -153,25 +185,3 @@ def _angles_before(result: Any, arc: slice) -> tuple[float, float, float]:
     end_of_stick = x[cells[-1] + 1] if sticks > LEAST_STICK * length else x[0]
     R = float(result.problem.roll.radius)
     return length / R, float(x[-1] - end_of_stick) / R, sticks / R
-
-
-def tensions_of_first_nips(result: Any) -> list[float]:
-    """Return the wound-on tension of no nip, of the first one, the first two ... of all [N/m].
-
-    That of no nip is the web tension; nan if the iteration finds no solution.
-    """
-    problem, tensions = result.without_air, [result.problem.web_tension]
-    given = problem.next_nips
-    last_arc = problem.roll_wrap - sum(nip.angle for nip in given)
-    for count in range(len(given)):
-        kept = given[:count]
-        arc = max(last_arc, given[count].angle)
-        wrap = sum(nip.angle for nip in kept) + arc
-        fewer = problem.replace(next_nips=kept, roll_wrap=wrap)
-        try:
-            solved = refine(partial(system_of, fewer), nodes=result.nodes).last
-        except NewtonFailed:
-            tensions.append(nan)
-        else:
-            tensions.append(float(solved.outputs["roll_wound_on_tension"]))
-    return [*tensions, result.roll_wound_on_tension]

@@ -8,7 +8,6 @@ and to evaluate them, so an error of a kernel does not show here.  The power bal
 from __future__ import annotations
 
 from math import inf, isfinite, isnan, log, nan
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +22,8 @@ from .conditions import (
     integral,
     negative_pressure,
 )
-from .energy import dissipation, roller_power_balance
+from .energy import BodyWork, dissipation, pressure_resultant
+from .roller_fields import RollerFields
 from .rollers import RollerEquations, RollerState, work_on_rollers
 
 __all__ = ["certificate", "consistency", "recomputed_solution", "state_of"]
@@ -31,7 +31,7 @@ __all__ = ["certificate", "consistency", "recomputed_solution", "state_of"]
 Array = np.ndarray
 
 
-def state_of(result: Any) -> tuple[RollerEquations, RollerState] | None:
+def state_of(result: RollerFields) -> tuple[RollerEquations, RollerState] | None:
     """Return equations and state from the arrays of a result; None if the arrays are invalid."""
     a, size = result.half_width, result.x.size
     arrays = result.x, result.pressure, result.traction, result.slip_x, result.slip, result.zone
@@ -53,7 +53,7 @@ def state_of(result: Any) -> tuple[RollerEquations, RollerState] | None:
     return equations, equations.state(u, equations.geometry(a))
 
 
-def certificate(result: Any) -> Residuals:
+def certificate(result: RollerFields) -> Residuals:
     """Evaluate every contact condition of a result.
 
     Slopes and rolling slip are relative to the slope of the gap at the edge, static slip to that
@@ -92,7 +92,7 @@ def certificate(result: Any) -> Residuals:
 
 
 def _slip_and_friction(
-    result: Any, equations: RollerEquations, state: RollerState, peak: float
+    result: RollerFields, equations: RollerEquations, state: RollerState, peak: float
 ) -> dict[str, float]:
     """Return the residuals of slip, zones, creepage and the friction law."""
     problem, p, q, mu = result.problem, result.pressure, result.traction, result.problem.friction
@@ -127,7 +127,7 @@ def _slip_and_friction(
     return conditions
 
 
-def consistency(result: Any) -> Residuals:
+def consistency(result: RollerFields) -> Residuals:
     """Return conditions that hold up to the discretisation error.
 
     power_balance
@@ -139,10 +139,26 @@ def consistency(result: Any) -> Residuals:
     if recomputed is None:
         return Residuals(power_balance=nan)
     _, state = recomputed
-    return Residuals(power_balance=roller_power_balance(result, work_on_rollers(state)))
+    return Residuals(power_balance=_power_balance(result, work_on_rollers(state)))
 
 
-def recomputed_solution(result: Any) -> MeshSolution:
+def _power_balance(result: RollerFields, bodies: tuple[BodyWork, BodyWork]) -> float:
+    """Return the violation of the power balance of two rollers, relative to P a/R*.
+
+    ``bodies`` is the work on the upper and on the lower roller.
+    """
+    problem, x, p, q = result.problem, result.x, result.pressure, result.traction
+    h, R = np.diff(x), problem.contact_radius
+    load, position = pressure_resultant(x, p)
+    middle = result.slip_x[1:]
+    fraction = (middle - x[:-1]) / h
+    friction = float(h @ (((1 - fraction) * q[:-1] + fraction * q[1:]) * result.slip[1:]))
+    supplied = load * (result.offset - position) / R + result.creepage * result.tangential_load
+    supplied -= friction + sum(work.curvature_work for work in bodies)
+    return abs(result.rolling_resistance - supplied) / (load * result.half_width / R)
+
+
+def recomputed_solution(result: RollerFields) -> MeshSolution:
     """Return the solution on the last mesh from the arrays of a result."""
     recomputed = state_of(result)
     assert recomputed is not None  # a loaded result is verified

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from math import nan
+from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 
-from ..problems.rollers import RollerProblem
-from ..quantities import Quantity, length, line_load, pure, share, strain, stress
-from ..results import Residuals, Result, Zone
-from .result import ContactOutputs
+from ..quantities import Quantity, length, share, stress
+from ..results import Residuals
+from .roller_fields import RollerFields
 from .zones import slip_share
 
 if TYPE_CHECKING:
@@ -25,7 +23,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class RollerResult(ContactOutputs, Result):
+class RollerResult(RollerFields):
     """The solution of two rollers in contact.
 
     Attributes
@@ -66,35 +64,6 @@ class RollerResult(ContactOutputs, Result):
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType({"slip": "slip_x"})
     ESTIMATES: ClassVar[frozenset[str]] = frozenset({"iterations", "traction_error"})
 
-    problem: RollerProblem
-    creepage: Annotated[
-        float, strain("xi", "creepage, relative speed of the lower minus the upper roller")
-    ]
-    shift: Annotated[
-        float, length("s", "tangential displacement of the lower roller (static contact)", "um")
-    ] = nan
-    tangential_load: Annotated[float, line_load("Q", "tangential load on the upper roller")]
-    half_width: Annotated[float, length("a", "half-width of the contact")]
-    approach: Annotated[float, length("delta", "centre approach of the rollers")]
-    offset: Annotated[
-        float, length("Delta", "offset of the line of centres from the contact centre")
-    ]
-    x: Annotated[Array, length("x", "position along the contact, [-a, a]")]
-    pressure: Annotated[Array, stress("p", "pressure", "MPa")]
-    traction: Annotated[Array, stress("q", "traction on the upper roller", "MPa")]
-    slip_x: Annotated[Array, length("x_v", "positions at which slip is evaluated")]
-    slip: Annotated[
-        Array, strain("v", "slip, > 0: lower surface faster (static contact: slip distance)")
-    ]
-    zone: Annotated[
-        Array, pure("z", "zone: 0 stick; slip: 1 lower surface faster, -1 slower"), Zone
-    ]
-    traction_error: Annotated[
-        float, share("e_q", "estimated error of the traction (L2), relative")
-    ] = nan
-    iterations: Annotated[int, pure("n_it", "number of Newton iterations")] = 0
-    refinement: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
-
     @property
     def relabelled(self) -> Mapping[str, Quantity]:
         """The slip of static rollers is a length."""
@@ -117,11 +86,6 @@ class RollerResult(ContactOutputs, Result):
         """Share of the width on which the rollers slip [1]."""
         slack = self.problem.friction * self.pressure - np.abs(self.traction)
         return slip_share(self.x, self.zone, self.slip, slack)
-
-    @property
-    def in_nip(self) -> slice:
-        """All nodes."""
-        return slice(0, self.x.size)
 
     def certified(self) -> Residuals:
         """Return the certificate, evaluated from the problem and the arrays of this result."""

@@ -94,7 +94,7 @@ class RollerState(Iterate):
     node_slip: Array
 
 
-class RollerEquations(ContactEquations):
+class RollerEquations(ContactEquations[RollerGeometry, RollerState]):
     """Residual and Jacobian of two rollers on a mesh of ``size`` nodes, N cells.
 
     Parameters
@@ -102,6 +102,8 @@ class RollerEquations(ContactEquations):
     problem : RollerProblem
     size : int
     """
+
+    problem: RollerProblem
 
     def __init__(self, problem: RollerProblem, size: int) -> None:
         P = problem.load

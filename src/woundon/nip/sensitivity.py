@@ -18,7 +18,7 @@ and slip lengths have a kink.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
@@ -29,7 +29,13 @@ from ..elasticity.mesh import Face
 from ..elasticity.surface import SurfaceResponse
 from ..errors import InvalidProblem, did_you_mean
 from ..parallel import one_thread
+from ..problems.bodies import Body
+from ..problems.contact_problem import ContactProblem
+from ..problems.nip import NipProblem
+from ..problems.paths import get_field
+from ..problems.rollers import RollerProblem
 from ..quantities import scalar_outputs, value_of, walk
+from ..results import Result
 from ..sensitivity import Sensitivity
 from .entrained_air import AirFilm, film_of_state
 
@@ -55,12 +61,17 @@ def air_outputs() -> tuple[str, ...]:
     return tuple(f"air.{name}" for name in scalar_outputs(AirFilm))
 
 
-def continuous_fields(problem: Any) -> dict[str, float]:
+def has_air(problem: ContactProblem) -> TypeGuard[NipProblem]:
+    """Return True for a nip with entrained air."""
+    return isinstance(problem, NipProblem) and problem.air is not None
+
+
+def continuous_fields(problem: ContactProblem) -> dict[str, float]:
     """Return every continuous field of a problem by its dotted name."""
     return {place.path: place.value for place in walk(problem) if isinstance(place.value, float)}
 
 
-def _list_items(problem: Any) -> dict[str, float]:
+def _list_items(problem: ContactProblem) -> dict[str, float]:
     """Return the numbers in lists, such as the values of a profile, by dotted name."""
     return {
         f"{place.path}.{k}": item
@@ -72,7 +83,7 @@ def _list_items(problem: Any) -> dict[str, float]:
 
 
 def _inputs_of(
-    problem: Any, parameters: tuple[str, ...], excluded: Mapping[str, str]
+    problem: ContactProblem, parameters: tuple[str, ...], excluded: Mapping[str, str]
 ) -> dict[str, float]:
     """Return the values of the inputs by which derivatives are taken.
 
@@ -105,7 +116,7 @@ def _inputs_of(
 
 @one_thread
 def contact_sensitivity(
-    result: Any,
+    result: Result,
     meshes: list[MeshSolution],
     parameters: tuple[str, ...],
     outputs: tuple[str, ...],
@@ -131,8 +142,7 @@ def contact_sensitivity(
         For a name that is not a continuous field or not an output, and for excluded fields.
     """
     problem, last = result.problem, meshes[-1]
-    has_air = getattr(problem, "air", None) is not None
-    available = (*last.outputs, *(air_outputs() if has_air else ()))
+    available = (*last.outputs, *(air_outputs() if has_air(problem) else ()))
     for name in outputs:
         if name not in available:
             text = f"no derivative of {name!r} is available{did_you_mean(name, available)}"
@@ -142,7 +152,7 @@ def contact_sensitivity(
     linearised = [_Linearisation(mesh, problem, outputs) for mesh in meshes[-CHANGES - 1 :]]
     ends = np.cumsum([each.value_count for each in linearised])[:-1]
 
-    def values_on_all_meshes(changed: Any) -> Array:
+    def values_on_all_meshes(changed: ContactProblem) -> Array:
         """Return the values of a changed problem on all meshes, one after the other.
 
         On all of them at once, so that its bodies are tabulated only once.
@@ -166,14 +176,14 @@ def contact_sensitivity(
     )
 
 
-def _each_surface_once() -> Callable[[Any, Face, float, float | None], SurfaceResponse]:
+def _each_surface_once() -> Callable[[Body, Face, float, float | None], SurfaceResponse]:
     """Return a function that computes the surface of a body once for the same arguments.
 
     It is no method of the linearisation, which would then lead to itself.
     """
     known: dict[Any, SurfaceResponse] = {}
 
-    def surface_of(body: Any, face: Face, a: float, speed: float | None) -> SurfaceResponse:
+    def surface_of(body: Body, face: Face, a: float, speed: float | None) -> SurfaceResponse:
         """Return the surface of a body on a face of the half width ``a``."""
         key = body, face.points.tobytes(), a, speed
         if key not in known:
@@ -208,10 +218,12 @@ class _Linearisation:
         those on all meshes are computed together.
     """
 
-    def __init__(self, mesh: MeshSolution, problem: Any, outputs: tuple[str, ...]) -> None:
+    def __init__(
+        self, mesh: MeshSolution, problem: ContactProblem, outputs: tuple[str, ...]
+    ) -> None:
         self.mesh, self.problem, self.outputs = mesh, problem, outputs
         self.u, self.size = mesh.state.u, mesh.state.u.size
-        self.has_air = getattr(problem, "air", None) is not None
+        self.has_air = has_air(problem)
         dry = mesh.system.problem
         self.frictions = (dry.roll_friction, dry.friction_on_wrap) if self.has_air else ()
         self.by_input: list[Array] = []
@@ -235,30 +247,30 @@ class _Linearisation:
         u[self.system.ln_a] += change
         return u
 
-    def _system(self, problem: Any) -> Any:
+    def _system(self, problem: ContactProblem) -> Any:
         """Return the equations of a problem, with the known surfaces of bodies that it shares."""
         system = self.mesh.system.for_problem(problem)
         for contact in getattr(system, "nips", (system,)):
             contact.surfaces.surface_of = self.surface_of
         return system
 
-    def _values(self, system: Any, u: Array, problem: Any) -> Array:
+    def _values(self, system: Any, u: Array, problem: ContactProblem) -> Array:
         """Return the values of a problem at u, (value_count,); ``system`` holds its equations."""
         state, active = system.evaluate(u, INTERPOLATION), self.mesh.active
         residual, frictions = np.append(state.equilibrium, friction_residual(state, active)), []
         found = dict(system.outputs(state, active))
-        if self.has_air:
+        if has_air(problem):
             film = film_of_state(problem, system, state)
             found |= {name: value_of(film, name.partition(".")[2]) for name in air_outputs()}
             frictions = [film.roll_friction, film.wrap_friction]
         return np.concatenate([residual, frictions, [found[name] for name in self.outputs]])
 
-    def values_of(self, problem: Any, frictions: tuple[float, ...]) -> Array:
+    def values_of(self, problem: ContactProblem, frictions: tuple[float, ...]) -> Array:
         """Return the values of a perturbed problem at the same u, (value_count,).
 
         ``frictions`` are those of its equations without air; empty if it has no air.
         """
-        dry = problem.without_air(*frictions) if self.has_air else problem
+        dry = problem.without_air(*frictions) if has_air(problem) else problem
         return self._values(self._system(dry), self.u, problem)
 
     def derivatives(self) -> Array:
@@ -312,7 +324,7 @@ class _Linearisation:
 
 
 def _central_difference(
-    values_of: Callable[[Any], Array], problem: Any, name: str, value: float
+    values_of: Callable[[ContactProblem], Array], problem: ContactProblem, name: str, value: float
 ) -> Array:
     """Return the derivative of ``values_of(problem)`` by a field, with its present value.
 
@@ -338,7 +350,7 @@ def _central_difference(
     return np.asarray((4 * one_step - two_steps - 3 * unshifted) / (2 * step * side))
 
 
-def _step_scale(problem: Any, name: str, value: float) -> float:
+def _step_scale(problem: ContactProblem, name: str, value: float) -> float:
     """Return the size of a field, to which its difference step is relative, in its unit.
 
     It is the value; for a field at zero that of a quantity on which the result depends as strongly.
@@ -349,12 +361,23 @@ def _step_scale(problem: Any, name: str, value: float) -> float:
         return float(thickness)  # radii of a thin layer matter by their difference
     if value != 0:
         return abs(value)
+    if isinstance(problem, NipProblem):
+        return _step_scale_of_nip(problem, name)
+    if isinstance(problem, RollerProblem) and name in ("tangential_load", "load"):
+        return problem.friction * problem.load
+    if name.endswith("cross"):  # A_rt of 0 is compared with the radial modulus of the same body
+        return float(get_field(problem, f"{name.removesuffix('cross')}radial"))
+    return 1.0
+
+
+def _step_scale_of_nip(problem: NipProblem, name: str) -> float:
+    """Return the size of a field of a nip that is zero, as of :func:`_step_scale`."""
     if name in ("winding_force", "web_tension"):
-        return float(problem.drum_friction * problem.nip_load)
-    if name in ("tangential_load", "load"):
-        return float(problem.friction * problem.load)
+        return problem.drum_friction * problem.nip_load
     if name == "air.permeance":  # the film that escapes is of the order of the roughness
-        return float(problem.air.roughness * problem.web_speed / max(problem.web_tension, 1.0))
+        assert problem.air is not None
+        assert problem.web_speed is not None
+        return problem.air.roughness * problem.web_speed / max(problem.web_tension, 1.0)
     if name.endswith("cross"):  # A_rt of 0 is compared with the radial modulus of the web
         return float(1 / problem.web.compliance.c22)
     return 1.0

@@ -30,24 +30,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import pairwise
-from math import exp, pi
-from types import SimpleNamespace
-from typing import Any, NamedTuple
+from math import exp
 
 import numpy as np
 
 from ..contact.newton import Iterate, Jacobian
 from ..elasticity.surface import Deformation, SurfaceTangent
-from ..errors import InvalidProblem
+from ..problems.nip import NipProblem
 from .contact_equations import DIFFERENCE
-from .equations import Assembly, Fields, Geometry, NipEquations, NipState
+from .equations import Assembly, Fields, Geometry, NipState
 from .layout import Layout
-from .load_limit import check_load
+from .nip_fields import NipFields
 from .outputs import NipSystem, drum_creepage, evaluation_weights, roll_wound_on_tension
+from .single_nips import single_nips
 
-__all__ = ["SeveralNips", "SeveralState", "SingleNips", "check_nips", "single_nips", "system_of"]
+__all__ = ["SeveralNips", "SeveralState", "system_of"]
 
 Array = np.ndarray
 
@@ -56,9 +55,6 @@ STEP = 1e-4
 # Distance between the end of an arc and the leading edge of the next nip, relative to its half
 # width: nodes of a result ascend.
 BETWEEN = 1e-9
-# Least end of an arc, from the centre of the nip, in half widths without friction: friction and
-# tension change the half width by up to a few tens of percent.
-LEAST_ARC = 2.0
 # Outputs of a further nip whose error is estimated.
 OF_CONTACT = "inlet_tension", "outlet_tension", "nip_width", "peak_pressure", "drum_creepage"
 # Arrays of a result along the web.
@@ -69,93 +65,9 @@ ARRAYS = (
 )
 
 
-def system_of(problem: Any, size: int) -> NipSystem | SeveralNips:
+def system_of(problem: NipProblem, size: int) -> NipSystem | SeveralNips:
     """Return the equations of a problem without air on a mesh of ``size`` nodes in each nip."""
     return SeveralNips(problem, size) if problem.next_nips else NipSystem(problem, size)
-
-
-class SingleNips(NamedTuple):
-    """The nips of a problem, each alone.
-
-    Attributes
-    ----------
-    problems : tuple of NipProblem
-        With the arc up to the leading edge of the next nip as the roll wrap.  The tension upstream
-        of further nips is that of the problem; the solution replaces it.
-    half_widths : tuple of float
-        Of the contacts without friction [m].
-    """
-
-    problems: tuple[Any, ...]
-    half_widths: tuple[float, ...]
-
-
-@lru_cache(maxsize=4)  # the meshes of a solution use the same nips
-def single_nips(problem: Any) -> SingleNips:
-    """Return the nips of a problem with ``next_nips``, each alone.
-
-    Raises
-    ------
-    InvalidProblem
-        If there is no arc between two nips, or behind the last one, or if it reaches the first nip.
-    """
-    angles = [further.angle for further in problem.next_nips]
-    first = problem.replace(next_nips=(), roll_wrap=angles[0])
-    alone = [first]
-    for further in problem.next_nips:
-        alone.append(
-            first.replace(
-                drum=further.drum,
-                nip_load=further.nip_load,
-                winding_force=further.winding_force,
-                drum_friction=further.drum_friction or problem.drum_friction,
-                drum_wrap=0.0,
-            )
-        )
-    R = problem.roll.radius
-    half_widths = tuple(NipEquations(each, 3).initial_half_width() for each in alone)
-    edges = [a / R for a in half_widths]
-    arcs = [angle - edge for angle, edge in zip(angles, edges[1:], strict=True)]
-    arcs.append(problem.roll_wrap - sum(angles))
-    for k, (arc, edge) in enumerate(zip(arcs, edges, strict=True)):
-        short = LEAST_ARC * edge - arc
-        if short > 0 and k < len(angles):
-            raise InvalidProblem.at(
-                f"next_nips.{k}.angle",
-                f"{angles[k]:.6g} is out of range; must be >= {angles[k] + short:.4g} [rad], so "
-                "that there is an arc between the two nips",
-            )
-        if short > 0:
-            raise InvalidProblem.at(
-                "roll_wrap",
-                f"{problem.roll_wrap:.6g} is out of range; must be >= "
-                f"{problem.roll_wrap + short:.4g} [rad], so that there is an arc behind the last "
-                "nip",
-            )
-    most = 2 * pi - LEAST_ARC * edges[0]  # where the laid layer runs into the first nip again
-    if problem.roll_wrap > most:
-        raise InvalidProblem.at(
-            "roll_wrap",
-            f"{problem.roll_wrap:.6g} is out of range; must be <= {most:.4g} [rad], so that the "
-            "arc behind the last nip ends before the first one",
-        )
-    wrapped = [each.replace(roll_wrap=arc) for each, arc in zip(alone, arcs, strict=True)]
-    return SingleNips(tuple(wrapped), half_widths)
-
-
-def check_nips(problem: Any) -> None:
-    """Reject further nips that touch, and loads that no single contact carries.
-
-    Raises
-    ------
-    InvalidProblem
-        Naming the field of the further nip.
-    """
-    for k, each in enumerate(single_nips(problem).problems[1:]):
-        try:
-            check_load(each, "nip_load")
-        except InvalidProblem as fault:
-            raise fault.under(f"next_nips.{k}") from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,7 +117,7 @@ class SeveralNips:
         The equations of each nip, by default those on its own mesh.
     """
 
-    def __init__(self, problem: Any, size: int, nips: list[NipSystem] | None = None) -> None:
+    def __init__(self, problem: NipProblem, size: int, nips: list[NipSystem] | None = None) -> None:
         self.problem, self.size = problem, size
         alone, self._half_widths = single_nips(problem)
         self.nips = nips or [
@@ -261,7 +173,7 @@ class SeveralNips:
         """Return the indices of each nip's parts among those of all nips."""
         return np.concatenate([p.start + own for p, own in zip(parts, each, strict=True)])
 
-    def for_problem(self, problem: Any) -> SeveralNips:
+    def for_problem(self, problem: NipProblem) -> SeveralNips:
         """Return the equations of a neighbouring problem with the same numbers of cells."""
         pairs = zip(self.nips, single_nips(problem).problems, strict=True)
         return SeveralNips(problem, self.size, [nip.for_problem(each) for nip, each in pairs])
@@ -548,6 +460,7 @@ class SeveralNips:
         if self.problem.viscoelastic:
             out["rolling_resistance"] = sum(one.get("rolling_resistance", 0.0) for one in each)
             speed = self.problem.rolling_speed
+            assert speed is not None  # a viscoelastic body needs it
             out["dissipated_power"] = speed * out["rolling_resistance"]
         for k, one in enumerate(each[1:], 1):
             out |= {f"contacts.{k}.{name}": one[name] for name in OF_CONTACT}
@@ -587,7 +500,7 @@ class SeveralNips:
             out.append(out[-1] + nip.roll_wrap * R + a * (1 + BETWEEN))
         return out
 
-    def parts_of(self, result: Any) -> list[Any]:
+    def parts_of(self, result: NipFields) -> list[NipFields]:
         """Return the arrays and scalars of each nip in a result of all, with x from its centre.
 
         Raises
@@ -611,8 +524,9 @@ class SeveralNips:
         for k, (nip, nodes) in enumerate(zip(self.nips, _parts(sizes), strict=True)):
             own = {name: getattr(result, name)[nodes] for name in ARRAYS}
             own |= {name: float(values[k]) for name, values in scalars.items()}
-            own["x"], own["slip_x"] = own["x"] - own["centre"], own["slip_x"] - own["centre"]
-            parts.append(SimpleNamespace(problem=nip.problem, **own))
+            centre = own.pop("centre")
+            own["x"], own["slip_x"] = own["x"] - centre, own["slip_x"] - centre
+            parts.append(result.replace(problem=nip.problem, **own))
         return parts
 
 

@@ -37,11 +37,12 @@ from ..results import ACCEPTED_RESIDUAL, Residuals, measured
 from ..validity import far_outside
 from .certificate import certificate, inconsistencies
 from .entrained_air import AirFilm, air_film, air_warnings
-from .equations import NipEquations
+from .equations import NipEquations, NipState
 from .load_limit import bending_text, check_load
 from .outputs import SLIP_RATIOS, NipSystem, error_estimates
 from .result import NipResult
-from .several_nips import SeveralNips, check_nips, single_nips, system_of
+from .several_nips import SeveralNips, SeveralState, system_of
+from .single_nips import check_nips, single_nips
 from .validity import nip_warnings, web_far_outside
 
 __all__ = ["check_options", "solve_nip", "solve_with_film"]
@@ -184,6 +185,7 @@ def solve_with_film(
         film = air_film(problem, solved.x[nip], solved.roll_pressure[nip], solved.half_width)
         reduced = film.roll_friction, film.wrap_friction
         if np.allclose(reduced, frictions, rtol=tolerance, atol=0):
+            assert solved.refinement is not None  # only of a loaded result
             result = result_of(problem, solved.refinement, film).checked()
             dry_warnings = [text for text in solved.warnings if text not in result.warnings]
             return result.replace(warnings=(*result.warnings, *dry_warnings))
@@ -206,12 +208,18 @@ def _solve(problem: NipProblem, *, start: NipResult | None = None, **options: An
 
 
 def _refined(
-    problem: NipProblem, *, nodes: Any = None, rtol: Any = None, start: Any = None, **options: Any
+    problem: NipProblem,
+    *,
+    nodes: int | None = None,
+    rtol: float | None = None,
+    start: NipResult | None = None,
+    **options: Any,
 ) -> NipResult:
     """Solve on a sequence of meshes until the error estimates meet their tolerance."""
     default = RTOL if problem.linear else RTOL_NONLINEAR
     max_nodes = MOST_NODES if problem.linear else MOST_NODES_NONLINEAR
     tolerances = _tolerances(problem, rtol or default)
+    known = start.refinement if start else None
     try:
         refinement = refine(
             lambda size: system_of(problem, size),
@@ -219,9 +227,9 @@ def _refined(
             tolerances=tolerances,
             most_nodes=MOST_NODES_RTOL if rtol else max_nodes,
             loose=(rtol or default) >= LOOSE,
-            start=getattr(start, "refinement", None),
+            start=known,
             # of the same problem only the coarse meshes are solved
-            last=start.refinement.last if start and start.problem == problem else None,
+            last=known.last if known and start and start.problem == problem else None,
             check=lambda mesh: _check_taut(problem, mesh, CERTAINLY_SLACK),
             **options,
         )
@@ -279,7 +287,7 @@ def _longer_wrap(problem: NipProblem) -> NipResult | None:
     return start
 
 
-def check_options(*, nodes: Any = None, rtol: Any = None, errors: Any = True) -> None:
+def check_options(*, nodes: object = None, rtol: object = None, errors: object = True) -> None:
     """Check the options of :func:`solve_nip`.
 
     Raises
@@ -307,7 +315,7 @@ def _tolerances(problem: NipProblem, rtol: float) -> Tolerances:
     return tolerances
 
 
-def _outside_model(problem: Any) -> str:
+def _outside_model(problem: NipProblem) -> str:
     """Return a text on what is far outside the model, or at its limit, in an unsolved case."""
     texts: list[str] = []
     alone = single_nips(problem).problems if problem.next_nips else (problem,)
@@ -324,7 +332,7 @@ def _outside_model(problem: Any) -> str:
     return "; ".join(texts)
 
 
-def _check_force(problem: Any) -> None:
+def _check_force(problem: NipProblem) -> None:
     """Raise an error if the winding force leaves the web slack on the roll wrap in any case.
 
     At the trailing edge T = T_in + F + int_nip q+ dx, and q+ <= mu+ p+.  The resultant of p+ is P,
@@ -336,7 +344,7 @@ def _check_force(problem: Any) -> None:
         raise _slack(problem, "downstream", largest_tension)
 
 
-def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> None:
+def _check_taut(problem: NipProblem, mesh: MeshSolution, permitted: float = 0.0) -> None:
     """Raise an error if the web is slack on a wrap, where its tension must press it on the body.
 
     Parameters
@@ -358,7 +366,7 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
                 raise _slack(problem, name, min_tension)
 
 
-def _slack(problem: Any, name: str, tension: float) -> NoSteadyState:
+def _slack(problem: NipProblem, name: str, tension: float) -> NoSteadyState:
     """Return the error for a web that is slack upstream or downstream of the nip."""
     T_in, force = problem.web_tension, problem.centrifugal_tension
     below = f", below its centrifugal force of {force:.4g} [N/m]" if force else " [N/m]"
@@ -369,7 +377,7 @@ def _slack(problem: Any, name: str, tension: float) -> NoSteadyState:
     )
 
 
-def _check_pressed(problem: Any, mesh: MeshSolution) -> None:
+def _check_pressed(problem: NipProblem, mesh: MeshSolution) -> None:
     """Raise where a body is deformed so that it is concave on its wrap: the web lifts off it."""
     nips: Sequence[NipEquations] = mesh.system.nips
     faces = []
@@ -422,7 +430,10 @@ def result_of(
 
 
 def _warnings_of_all_nips(
-    result: NipResult, system: NipSystem | SeveralNips, state: Any, active: np.ndarray
+    result: NipResult,
+    system: NipSystem | SeveralNips,
+    state: NipState | SeveralState,
+    active: np.ndarray,
 ) -> list[str]:
     """Return the warnings of the first nip, and those that further nips have in addition."""
     texts = list(nip_warnings(result))

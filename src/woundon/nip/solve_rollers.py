@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from itertools import pairwise
 from math import nan
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 
@@ -145,7 +145,7 @@ def solve_rollers(
 
 
 def check_options(
-    *, nodes: Any = None, rtol: Any = None, start: Any = None, errors: Any = True
+    *, nodes: object = None, rtol: object = None, start: object = None, errors: object = True
 ) -> None:
     """Check the options of :func:`solve_rollers`.
 

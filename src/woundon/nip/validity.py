@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from ..elasticity.mesh import Wrap, nip_mesh
 from ..errors import RESOLUTION
+from ..problems.bodies import Body
 from ..problems.nip import NipProblem
-from ..validity import limit_warning, pair_warnings, zone_warnings
+from ..validity import LIMITS, limit_warning, zone_warnings
 from .result import NipResult
 from .roller_result import RollerResult
 
@@ -33,7 +35,7 @@ def nip_warnings(result: NipResult) -> tuple[str, ...]:
     tractions = {"roll": result.roll_traction[nip], "drum": result.drum_traction[nip]}
     zones = {"roll": result.roll_zone[nip], "drum": result.drum_zone[nip]}
     return (
-        *pair_warnings(result, tractions),
+        *_pair_warnings(result, tractions),
         *_body_warnings(result),
         *_surface_strain_warnings(result, strain[nip]),
         *_web_warnings(result, strain),
@@ -46,9 +48,100 @@ def roller_warnings(result: RollerResult) -> tuple[str, ...]:
     """Return the warnings of rollers outside the validity limits, or on too coarse a mesh."""
     xi, mu = result.creepage, result.problem.friction  # xi is nan in static contact
     return (
-        *pair_warnings(result, {"upper": result.traction, "lower": -result.traction}),
+        *_pair_warnings(result, {"upper": result.traction, "lower": -result.traction}),
         *limit_warning("creepage", xi, "the rollers' surface speeds differ by {}"),
         *(zone_warnings(result.x, {"contact": result.zone}, "the lower surface") if mu else ()),
+    )
+
+
+def _pair_warnings(
+    result: NipResult | RollerResult, tractions: Mapping[str, Array]
+) -> Iterator[str]:
+    """Yield warnings about two bodies in contact outside the validity limits.
+
+    Parameters
+    ----------
+    result : NipResult or RollerResult
+    tractions : mapping of str to array
+        On each body, by its name in the problem [Pa].
+    """
+    problem, a, approach = result.problem, result.half_width, result.approach
+    radius = min(body.radius for body in problem.bodies)
+    yield from limit_warning(
+        "half width", a / radius, "the half width {0:.3g} mm is {} of the smaller radius", a * 1e3
+    )
+    for name in problem.pair:
+        body = getattr(problem, name)
+        warnings = filter(None, (material.validity_warning for material in body.materials))
+        yield from dict.fromkeys(f"the {name}: {text}" for text in warnings)
+        yield from _frequency_warnings(name, body, problem.rolling_speed, a)
+        if approach > LIMITS["indentation"].maximum * body.thickness:  # an upper bound
+            depth = _indentation(result, body, tractions[name])
+            yield from limit_warning(
+                "indentation",
+                depth / body.thickness,
+                "the {0}'s indentation {1:.3g} mm is {} of its elastic layer, {2:.3g} mm",
+                name,
+                depth * 1e3,
+                body.thickness * 1e3,
+            )
+        yield from _stiffness_warnings(name, body, float(result.peak_pressure), tractions[name])
+
+
+def _frequency_warnings(
+    name: str, body: Body, speed: float | None, half_width: float
+) -> Iterator[str]:
+    """Yield warnings about materials that were not measured at the frequencies of the nip.
+
+    ``speed`` is the speed of rolling [m/s], None in static contact.
+    """
+    if speed is None:
+        return
+    frequency = abs(speed) / (2 * half_width)  # the lowest one of the pressure of a nip
+    for low, high in dict.fromkeys(filter(None, (m.measured_frequencies for m in body.materials))):
+        if not low <= frequency <= high:
+            yield (
+                f"the {name}'s moduli are known from {low:.3g} to {high:.3g} Hz and are "
+                f"extrapolated: the nip contains frequencies from V/2a = {frequency:.3g} Hz on; "
+                "measure at other temperatures too and shift the isotherms to one master curve "
+                "(wo.master_curve), or measure to higher frequencies"
+            )
+
+
+def _indentation(result: NipResult | RollerResult, body: Body, traction: Array) -> float:
+    """Return the indentation of a body of finite thickness in the middle of the nip [m]."""
+    if not body.linear:
+        return float(result.approach)  # an upper bound
+    p, q = getattr(result, result.CONTACT_PRESSURE)[result.in_nip], traction
+    speed = result.problem.rolling_speed
+    mesh = nip_mesh(p.size, Wrap(), Wrap())  # without wraps, so that both faces are alike
+    a, face = result.half_width, mesh.roll_face
+    surface = body.surface(face, a, speed)
+    slope, _ = surface.deform(p, q)
+    v = face.displacement_at_nodes(slope, surface.end_displacement(p, q), a)
+    return -float(np.interp(0.0, mesh.nodes, v))  # v is outward
+
+
+def _stiffness_warnings(name: str, body: Body, peak: float, traction: Array) -> Iterator[str]:
+    """Yield warnings about peak pressure and traction relative to the stiffness of a body."""
+    if body.surface_material is None:
+        return
+    stiffness = body.surface_material.stiffness
+    modulus, shear = min(stiffness.rr, stiffness.tt), float(np.abs(traction).max())
+    yield from limit_warning(
+        "peak pressure",
+        peak / modulus,
+        "the peak pressure {0:.3g} MPa is {} of the {1}'s stiffness {2:.3g} MPa",
+        peak / 1e6,
+        name,
+        modulus / 1e6,
+    )
+    yield from limit_warning(
+        "shear strain",
+        shear / stiffness.shear,
+        "the {0}'s surface shear strain is {} at a traction of {1:.3g} MPa",
+        name,
+        shear / 1e6,
     )
 
 

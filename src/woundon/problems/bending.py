@@ -23,6 +23,7 @@ from .fields import (
 from .inputs import NotANumber, real_number
 from .messages import quote
 from .paths import field_or_none
+from .problem import Problem
 from .thickness_profile import means_between
 
 __all__ = ["BENDING", "Bending", "DrumBending", "bends", "faults_of_bending", "too_soft"]
@@ -227,7 +228,7 @@ def too_soft(beam: Bending, nip_load: float, width: float) -> Iterator[tuple[str
             yield name, f"{text} {bends_it} {MOST_BENT:g} [m]"
 
 
-def bends(problem: Any) -> bool:
+def bends(problem: Problem) -> bool:
     """Return whether a drum or the core of a problem is a beam."""
     return any(field_or_none(problem, name) is not None for name in BENDING)
 

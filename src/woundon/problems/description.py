@@ -60,7 +60,7 @@ class DocumentedMeta(ModelMetaclass):
         return sorted(name for name in names if not name.startswith(("_", "model_")))
 
 
-def is_unset(value: Any) -> bool:
+def is_unset(value: object) -> bool:
     """Return True for the value of an optional field that is not set: None, or an empty list."""
     return value is None or value == ()
 

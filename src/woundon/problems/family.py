@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from pydantic import model_serializer
 
@@ -14,6 +14,8 @@ from .messages import check_names, not_one_of
 from .paths import counterpart, models_at
 
 __all__ = ["Family", "best_match", "field_from_table", "from_table"]
+
+DescriptionT = TypeVar("DescriptionT", bound=Description)
 
 
 class Family(Description):
@@ -85,7 +87,7 @@ def from_table(table: Mapping[str, Any], models: Iterable[type[Any]]) -> Any:
     return known[kind](**fields)
 
 
-def field_from_table(problem: Description, path: str, table: object) -> Any:
+def field_from_table(problem: Description, path: str, table: object) -> Description:
     """Return the body, material or other description of a table, for a field of a dotted name.
 
     Raises
@@ -99,7 +101,7 @@ def field_from_table(problem: Description, path: str, table: object) -> Any:
     return from_table(table, models)
 
 
-def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
+def best_match(names: Iterable[str], models: Iterable[type[DescriptionT]]) -> type[DescriptionT]:
     """Return the class whose fields match the given names best.
 
     The penalty is 2 for an unknown name (1 if it resembles a field that is not given) and 1 for a
@@ -111,7 +113,7 @@ def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
     has_grade = "grade" in present
     present = [name for name in present if name not in ("grade", "grades")]
 
-    def penalty(model: type[Any]) -> tuple[int, int]:
+    def penalty(model: type[DescriptionT]) -> tuple[int, int]:
         """Return the penalty of a class and its number of fields."""
         known = set(model.model_fields) | set(getattr(model, "tables", ()))
         unknown = [name for name in present if name not in known]

@@ -182,7 +182,7 @@ class FloatWithUnit(float):
         return cls(parse(text, next(units, "1" if is_plain else "N/m"), ""), text)
 
 
-def real_number(value: Any) -> float:
+def real_number(number: object) -> float:
     """Return a real number of any type (int, Fraction, NumPy scalar, 0-d array) as a float.
 
     Raises
@@ -190,6 +190,7 @@ def real_number(value: Any) -> float:
     NotANumber
         For anything else: texts, masked values and booleans, which pydantic accepts as numbers.
     """
+    value: Any = number
     kind = value.dtype.kind if is_array(value) and value.shape == () else ""
     if isinstance(value, bool) or not (isinstance(value, Real) or kind in ("i", "u", "f")):
         raise NotANumber

@@ -117,7 +117,7 @@ def _fault(item: Any, name: str, field: FieldInfo) -> str:
     return f"{quote(value)} is out of range; must be {admissible(field)}{hint}"
 
 
-def check_names(table: Mapping[Any, Any], prefix: str = "") -> None:
+def check_names(table: Iterable[object], prefix: str = "") -> None:
     """Reject a table with a name that is not text; ``prefix`` precedes it in the error.
 
     Raises

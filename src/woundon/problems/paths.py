@@ -530,7 +530,7 @@ def _changed(value: Any, name: str, changes: Mapping[str, Any]) -> Any:
 # ---- in the tables of a case --------------------------------------------------------------------
 
 
-def set_in_tables(tables: dict[str, Any], path: str, value: Any, model: type[Any]) -> None:
+def set_in_tables(tables: dict[str, Any], path: str, value: object, model: type[BaseModel]) -> None:
     """Set a field in the tables of a case, which are changed; tables above it are added.
 
     Parameters
@@ -568,7 +568,9 @@ def set_in_tables(tables: dict[str, Any], path: str, value: Any, model: type[Any
         inner[leaf] = value
     elif leaf in inner:
         del inner[leaf]
-    elif not _is_group(path, {"schema": (), **model.tables}):  # which are no fields of the class
+    elif not _is_group(
+        path, {"schema": (), **getattr(model, "tables", {})}
+    ):  # which are no fields of the class
         _check_exists(model, path)
 
 

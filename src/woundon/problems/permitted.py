@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import Any, get_args
+from typing import TYPE_CHECKING, get_args
 
 from pydantic.fields import FieldInfo
 
 from ..errors import one_of
-from ..quantities import members_of, quantity_of
+from ..quantities import Values, members_of, quantity_of
+
+if TYPE_CHECKING:
+    import numpy as np
 
 __all__ = [
     "Conditional",
@@ -27,7 +30,7 @@ __all__ = [
 ROUNDING = 1e-9  # relative; inputs are often computed, such as radius = core + 10 layers
 
 
-def is_within(value: Any, low: float, high: float) -> Any:
+def is_within(value: Values, low: float, high: float) -> bool | np.ndarray:
     """Return True where low <= value <= high, except for rounding errors of computed bounds."""
     return (low - ROUNDING * abs(low) <= value) & (value <= high + ROUNDING * abs(high))
 

@@ -15,7 +15,7 @@ from numpy.polynomial import polynomial
 from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import pure, strain, stress
+from ..quantities import Values, as_given, pure, strain, stress
 from .family import Family
 from .fields import Number, Numbers, check_equal_lengths, check_rising
 from .materials import SOFTEST, STIFFEST
@@ -90,39 +90,39 @@ class RadialLaw(Family):
         """Return True if all pressures are within the range of the law."""
         return P.size > 0 and bool(P.min() >= 0) and bool(P.max() <= self.max_pressure)
 
-    def modulus(self, P: float | Array) -> Any:
+    def modulus(self, P: Values) -> Values:
         """Return E_r = dP/d(-eps_r) [Pa] at pressures P of any shape [Pa]."""
-        P = np.asarray(P, dtype=float)
-        if self._in_range(P):
-            return self._modulus(P)[()]
+        p = np.asarray(P, dtype=float)
+        if self._in_range(p):
+            return as_given(self._modulus(p))
         E, slope, P_min = self._tangent_at_zero
-        tangent = E + slope * np.clip(P, P_min, 0.0)
-        return np.where(P < 0, tangent, self._modulus(np.clip(P, 0.0, self.max_pressure)))[()]
+        tangent = E + slope * np.clip(p, P_min, 0.0)
+        return as_given(np.where(p < 0, tangent, self._modulus(np.clip(p, 0.0, self.max_pressure))))
 
-    def modulus_slope(self, P: float | Array) -> Any:
+    def modulus_slope(self, P: Values) -> Values:
         """Return dE_r/dP [1] at pressures P of any shape [Pa]."""
-        P = np.asarray(P, dtype=float)
-        if self._in_range(P):
-            return self._slope(P)[()]
+        p = np.asarray(P, dtype=float)
+        if self._in_range(p):
+            return as_given(self._slope(p))
         _, slope, P_min = self._tangent_at_zero
-        inner = self._slope(np.clip(P, 0.0, self.max_pressure))
-        inner = np.where(self.max_pressure < P, 0.0, inner)
-        return np.where(P < 0, np.where(P_min > P, 0.0, slope), inner)[()]
+        inner = self._slope(np.clip(p, 0.0, self.max_pressure))
+        inner = np.where(self.max_pressure < p, 0.0, inner)
+        return as_given(np.where(p < 0, np.where(P_min > p, 0.0, slope), inner))
 
-    def strain_at(self, P: float | Array) -> Any:
+    def strain_at(self, P: Values) -> Values:
         """Return the compressive strain F(P) [1] at pressures P of any shape [Pa]."""
-        P = np.asarray(P, dtype=float)
-        if self._in_range(P):
-            return self._strain(P)[()]
+        p = np.asarray(P, dtype=float)
+        if self._in_range(p):
+            return as_given(self._strain(p))
         E, slope, P_min = self._tangent_at_zero
         # P < 0: integral of dP/E_r along the tangent down to P_min, then with FLOOR E_r(0)
-        low, inner = np.clip(P, P_min, 0.0), np.clip(P, 0.0, self.max_pressure)
+        low, inner = np.clip(p, P_min, 0.0), np.clip(p, 0.0, self.max_pressure)
         below_zero = low / E if slope == 0 else np.log1p(slope * low / E) / slope
-        below_zero = below_zero + (np.minimum(P, low) - low) / (E * FLOOR)
-        beyond_max = np.maximum(P - inner, 0.0) / self._modulus(inner)
-        return np.where(P < 0, below_zero, self._strain(inner) + beyond_max)[()]
+        below_zero = below_zero + (np.minimum(p, low) - low) / (E * FLOOR)
+        beyond_max = np.maximum(p - inner, 0.0) / self._modulus(inner)
+        return as_given(np.where(p < 0, below_zero, self._strain(inner) + beyond_max))
 
-    def pressure_at(self, strain: float | Array) -> Any:
+    def pressure_at(self, strain: Values) -> Values:
         """Return the pressure P at a compressive strain F(P) [Pa].
 
         Newton's method with bisection as a safeguard.
@@ -147,7 +147,7 @@ class RadialLaw(Family):
             P = trial
             if np.all(converged | (target <= 0)):
                 break
-        return self._extrapolate(target, P)[()]
+        return as_given(self._extrapolate(target, P))
 
     def _extrapolate(self, strain: Array, P: Array) -> Array:
         """Return P, with closed forms at strains outside the range of the law.
@@ -246,12 +246,12 @@ class Pfeiffer(SolidLaw):
     def _strain(self, P: Array) -> Array:
         return np.log1p(P / self.K1) / self.K2
 
-    def pressure_at(self, strain: float | Array) -> Any:
+    def pressure_at(self, strain: Values) -> Values:
         """Return the pressure at a compressive strain [Pa], in closed form."""
         target = np.asarray(strain, dtype=float)
         # Clipped: strains below 0 are extrapolated, and exp(710) overflows.
         P = self.K1 * np.expm1(np.clip(self.K2 * target, 0.0, 600.0))
-        return self._extrapolate(target, P)[()]
+        return as_given(self._extrapolate(target, P))
 
     def pressure_at_modulus(self, modulus: float) -> float:
         """Return P at which E_r is ``modulus`` [Pa]; 0 if E_r(0) is larger."""

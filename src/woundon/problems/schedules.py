@@ -105,7 +105,7 @@ class Profile(Description):
         curve = CubicSpline(self.radius, self.value)
         return curve, curve.derivative()
 
-    def at(self, r: Array) -> Any:
+    def at(self, r: Array) -> Array:
         """Return the values at radii [m]."""
         if self.between == "lines":
             radii, values, _ = self._nodes_and_slopes

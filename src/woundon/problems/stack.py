@@ -23,7 +23,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import pure, stress
+from ..quantities import Values, as_given, pure, stress
 from . import air_law as air_law  # registers its law
 from .fields import Number, default
 from .materials import SOFTEST, STIFFEST, Solid, Stiffness
@@ -156,7 +156,7 @@ class Stack(Solid):
         """The plane-strain stiffness A_rr, A_tt, A_rt, G without pressure [Pa]."""
         return self.tangent(0.0)._replace(along=self.tangential)  # D is E_t, without rounding
 
-    def compression_energy(self, P: float | Array) -> Any:
+    def compression_energy(self, P: Values) -> Values:
         """Return int_0^P P' dP'/E_r(P') [Pa], the work of uniaxial compression per volume.
 
         Parameters
@@ -164,16 +164,16 @@ class Stack(Solid):
         P : array_like
             Pressure [Pa], >= 0.
         """
-        P = np.asarray(P, dtype=float)
+        p = np.asarray(P, dtype=float)
         # E_r may vary over pressures much smaller than P: cells are bisected towards zero.
         ends = np.append(0.0, 0.5 ** np.arange(SMALLEST_CELL, -1, -1))
         points, weights = np.polynomial.legendre.leggauss(GAUSS)
         half = np.diff(ends)[:, None] / 2
         fraction, weight = (ends[:-1, None] + half * (1 + points)).ravel(), (half * weights).ravel()
-        pressures = P[..., None] * fraction
-        return (P * ((pressures / self.radial.modulus(pressures)) @ weight))[()]
+        pressures = p[..., None] * fraction
+        return as_given(p * ((pressures / self.radial.modulus(pressures)) @ weight))
 
-    def plateau_pressure(self, stress: float | Array) -> Any:
+    def plateau_pressure(self, stress: Values) -> Values:
         """Return the pressure far from core and surface of a roll wound at constant tension [Pa].
 
         The strain energy of compression equals that of the tension, T^2/(2 E_t) =
@@ -213,9 +213,9 @@ class Stack(Solid):
             )
             if np.all(np.abs(step) <= PLATEAU_STEP):
                 break
-        P = np.where(T > 0, P, 0.0)[()]
+        P = np.where(T > 0, P, 0.0)
         self.check_pressure(P)
-        return P
+        return as_given(P)
 
     def check_pressure(self, P: float | Array) -> None:
         """Raise an error if a pressure is beyond the range of the law.
@@ -243,7 +243,7 @@ class Stack(Solid):
             Wound-in pressure, at which G is ``shear`` [Pa]; by default P.
         """
         E_t, nu = self.tangential, self.poissons_ratio
-        E = np.minimum(self.radial.modulus(P), 0.999 * self.stiffest)
+        E: Any = np.minimum(self.radial.modulus(P), 0.999 * self.stiffest)
         D = 1 - nu * nu * E / E_t
         return Stiffness(E / D, E_t / D, nu * E / D, self.shear_modulus(P, P0))
 

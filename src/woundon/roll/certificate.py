@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Any
 
 import numpy as np
 
 from ..results import Residuals, largest
 from .finished import FinalChanges, core_gap, equations_of, finished_zones
+from .roll_fields import RollFields
 from .stage_nodes import cell_source
 
 __all__ = ["certificate"]
 
 
-def certificate(result: Any) -> Residuals:
+def certificate(result: RollFields) -> Residuals:
     """Return the residuals of a result; stresses are relative to the wound-on stress at the core.
 
     equilibrium
@@ -65,7 +65,7 @@ def certificate(result: Any) -> Residuals:
     )
 
 
-def _stages_are_valid(result: Any) -> bool:
+def _stages_are_valid(result: RollFields) -> bool:
     """Return True if the stages increase from the core, and their kappa are finite.
 
     A single stage near the core hardly affects the source, so that its residual does not show it.

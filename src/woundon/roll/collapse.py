@@ -23,9 +23,13 @@ which lower the buckling pressure, are left out.
 from __future__ import annotations
 
 from math import nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+
+from .finished import opening
+from .roll_fields import RollFields
+from .stages import stresses_between
 
 __all__ = ["CollapseLoads", "collapse_loads"]
 
@@ -46,7 +50,7 @@ class CollapseLoads(NamedTuple):
     bonded: float
 
 
-def collapse_loads(result: Any) -> CollapseLoads:
+def collapse_loads(result: RollFields) -> CollapseLoads:
     """Return the loads of the compressed inner layers of a roll result.
 
     They are zero if no inner layer is compressed, and nan for a roll on its core, which supports
@@ -55,7 +59,7 @@ def collapse_loads(result: Any) -> CollapseLoads:
     problem, r, hoop = result.problem, result.radius, result.hoop_stress
     if not result.is_off_core:
         return CollapseLoads(nan, nan)
-    start = int(np.argmax(result.opening == 0))  # the innermost layers in contact
+    start = int(np.argmax(opening(result) == 0))  # the innermost layers in contact
     start = max(start - 1, 0)  # from the edge of the open zone
     tensile = np.flatnonzero(hoop[start + 1 :] >= 0)
     if not tensile.size or tensile[0] == 0:
@@ -64,7 +68,7 @@ def collapse_loads(result: Any) -> CollapseLoads:
     zero = r[k - 1] + (r[k] - r[k - 1]) * hoop[k - 1] / (hoop[k - 1] - hoop[k])
     h, E_t = float(problem.web_thickness), problem.stack.tangential
     depth = np.linspace(min(h, zero - r[start]), zero - r[start], DEPTHS)
-    P = result.at_radius(r[start] + depth)["pressure"]
+    P = stresses_between(result, r[start] + depth)["pressure"]
     by_stiffness = 4 * (r[start] + depth / 2) ** 3 * P / E_t
     sliding, bonded = by_stiffness / (depth * h**2), by_stiffness[-1] / max(depth[-1], h) ** 3
     return CollapseLoads(float(np.max(sliding)), float(bonded))

@@ -22,11 +22,11 @@ the thickness h.
 from __future__ import annotations
 
 from math import pi
-from typing import Any
 
 import numpy as np
 
-from .finished import FinalChanges
+from .finished import FinalChanges, opening
+from .roll_fields import RollFields
 
 __all__ = [
     "density_during_winding",
@@ -34,13 +34,14 @@ __all__ = [
     "mean_over_length",
     "volume",
     "wound_length",
+    "wound_mass",
 ]
 
 Array = np.ndarray
 GAUSS = 4  # points of a cell
 
 
-def _winding_strains(result: Any, r: Array) -> tuple[Array, Array]:
+def _winding_strains(result: RollFields, r: Array) -> tuple[Array, Array]:
     """Return (1 + kappa) T/E_t and T/E_t at radii r (k,) [m], two (k,) arrays [1].
 
     The first is the inward displacement of the surface by a layer wound there, relative to its
@@ -50,7 +51,7 @@ def _winding_strains(result: Any, r: Array) -> tuple[Array, Array]:
     return (1 + result.kappa(np.log(r))) * strain, strain
 
 
-def _length_per_volume(result: Any, r: Array) -> Array:
+def _length_per_volume(result: RollFields, r: Array) -> Array:
     """Return the length of web per increase of the roll volume at radii (k,) [m], (k,) [1/m].
 
     It is dL/(2 pi s ds) = 1/(h_0 g (1 + T/E_t)), h_0 the thickness of the web without pressure.
@@ -63,7 +64,7 @@ def _length_per_volume(result: Any, r: Array) -> Array:
     return np.asarray(1 / (result.problem.unloaded_thickness * g * (1 + strain)))
 
 
-def density_during_winding(result: Any, r: Array) -> Array:
+def density_during_winding(result: RollFields, r: Array) -> Array:
     """Return the mass of web per increase of the roll volume at radii (k,) [m], (k,) [kg/m^3].
 
     It is nan without the density of the web, and outside the range of small strains.
@@ -72,7 +73,7 @@ def density_during_winding(result: Any, r: Array) -> Array:
     return (np.nan if density is None else density) * h * _length_per_volume(result, r)
 
 
-def finished_density(result: Any) -> Array:
+def finished_density(result: RollFields) -> Array:
     """Return the density of the finished roll at the nodes, (M,) [kg/m^3]; nan if unknown."""
     problem, r = result.problem, result.radius
     stack, hoop = problem.stack, result.hoop_stress
@@ -80,7 +81,7 @@ def finished_density(result: Any) -> Array:
         -stack.radial.strain_at(result.pressure)
         - stack.poissons_ratio / stack.tangential * hoop
         + FinalChanges(problem).through(r)
-        + result.opening
+        + opening(result)
     )
     du_dr = _winding_strains(result, r)[0] + radial_strain
     volume_ratio = (1 + result.displacement / r) * (1 + du_dr)
@@ -98,7 +99,7 @@ def mean_over_length(r: Array, values: Array) -> float:
     return float(np.trapezoid(values * r, r) / np.trapezoid(r, r))
 
 
-def wound_length(result: Any) -> float:
+def wound_length(result: RollFields) -> float:
     """Return the length of web without stress of all layers [m]."""
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
     # Gauss points between neighbouring nodes and stages: kappa is smooth between two stages
@@ -109,7 +110,15 @@ def wound_length(result: Any) -> float:
     return float(np.sum(half * weights * 2 * pi * r * length))
 
 
-def volume(result: Any) -> float:
+def wound_mass(result: RollFields) -> float:
+    """Return the mass of the web without stress of all layers [kg/m]; nan without its density."""
+    density = result.problem.density
+    if density is None:
+        return float("nan")
+    return wound_length(result) * float(result.problem.web_thickness) * float(density)
+
+
+def volume(result: RollFields) -> float:
     """Return the volume of the finished roll, per metre of width [m^2]."""
     inner, outer = (result.radius + result.displacement)[[0, -1]].tolist()
     return pi * float(outer**2 - inner**2)

@@ -25,6 +25,7 @@ from .equations import (
     StageSolution,
     interpolate_pressure,
 )
+from .roll_fields import RollFields
 from .separation import (
     ContactZones,
     NotSeparatedError,
@@ -46,6 +47,7 @@ __all__ = [
     "equations_of",
     "finished_arrays",
     "finished_zones",
+    "opening",
     "surface_layer_depth",
     "with_nodes",
 ]
@@ -143,7 +145,7 @@ class FinalChanges:
         return CellSource(*(C + dC for C, dC in zip(source, change, strict=True)))
 
 
-def core_gap(result: Any) -> float:
+def core_gap(result: RollFields) -> float:
     """Return the gap between core and roll of a roll result [m], zero if they touch.
 
     It follows from the core condition: (b P - T_c - Q) r_c/E_t, with P = 0.  Nan for a core that is
@@ -157,6 +159,15 @@ def core_gap(result: Any) -> float:
     r_c = problem.core.radius
     T_c = float(problem.tension_curve.at(np.array([r_c]))[0]) + FinalChanges(problem).core
     return float(-(T_c + Q) * r_c / problem.stack.tangential)
+
+
+def opening(result: RollFields) -> Array:
+    """Return the radial strain by gaps between open layers of a roll result, (M,) [1].
+
+    It is C/E_t, and zero where the layers are in contact.
+    """
+    is_open = (result.pressure == 0) & (result.pressure_gradient == 0)
+    return np.where(is_open, result.source / result.problem.stack.tangential, 0.0)
 
 
 def finished_arrays(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from ..errors import NotConverged
 from .build_up import Layers
 from .equations import interpolate_pressure
 from .finished import FinalChanges, equations_of, finished_zones
+from .roll_fields import RollFields
 from .separation import solve_on_core
 from .stage_nodes import cell_source
 
@@ -30,13 +31,13 @@ NEIGHBOURHOOD = 0.15  # of the build-up, in which the largest error counts for t
 FEW_LAYERS = 1000  # in a roll of more layers a node is the beginning of a layer
 
 
-def layers_of(result: Any) -> Layers:
+def layers_of(result: RollFields) -> Layers:
     """Return the layers of a result with the thickness of its web, in place of thin layers."""
     problem = result.problem
     return Layers(equations_of(problem), problem.tension_curve, float(problem.web_thickness))
 
 
-def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
+def finite_layer_stresses(result: RollFields) -> tuple[Array, Array]:
     """Return the changes of pressure and hoop stress by layers of finite thickness, (M,) each [Pa].
 
     They are relative to the limit of thin layers, at the nodes of the result, and nan if kappa with
@@ -67,7 +68,7 @@ def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
     return zones.spread(change, x.size), zones.spread(hoop_change, x.size)
 
 
-def finite_layer_effects(result: Any) -> dict[str, float]:
+def finite_layer_effects(result: RollFields) -> dict[str, float]:
     """Return the change by finite layers of each output that has an error estimate [SI].
 
     The hoop stress varies across a layer: its minimum is compared with that of a smooth curve
@@ -83,7 +84,7 @@ def finite_layer_effects(result: Any) -> dict[str, float]:
     size[0] = max(size[0], abs(change[0]) * factor)
     # the smooth curve, and the inner and the outer faces
     hoop = result.hoop_stress + hoop_change, *_hoop_stress_at_faces(result, change, hoop_change)
-    least, bore = result.least_hoop_stress, result.bore_hoop_stress
+    least, bore = float(np.min(result.hoop_stress)), float(result.hoop_stress[0])
     at_bore = np.array([float(curve[0]) - bore for curve in hoop])
     # of exponential and of algebraic decay
     bore_factor = max(factor, float(np.max(_higher_order_factor(at_bore, np.array(abs(bore))))))
@@ -125,7 +126,7 @@ def _higher_order_factor(change: Array, pressure: Array) -> Array:
     return np.asarray((x / -np.expm1(-x) - 1) / (x / 2))
 
 
-def _factor_at_core(result: Any) -> float:
+def _factor_at_core(result: RollFields) -> float:
     """Return the factor of a change at the core that includes the terms of higher order.
 
     At a soft core, b > 0, the pressure on it by a layer at s is p/(1 + b ln(s/r_c)), not an
@@ -142,7 +143,9 @@ def _factor_at_core(result: Any) -> float:
     return 1 + 1 / (6 * z) if z > 100 else float(2 * z * (np.log(z) - digamma(z)))
 
 
-def _hoop_stress_at_faces(result: Any, change: Array, hoop_change: Array) -> tuple[Array, Array]:
+def _hoop_stress_at_faces(
+    result: RollFields, change: Array, hoop_change: Array
+) -> tuple[Array, Array]:
     """Return the hoop stress at the inner and at the outer face of layers [Pa].
 
     The layers begin at the nodes, few layers at their own radii.  Equilibrium gives the mean hoop

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from math import nan, pi
 from types import MappingProxyType
@@ -13,14 +13,15 @@ import numpy as np
 
 from ..arguments import check_type
 from ..quantities import Quantity, length, line_load, pure, share, strain, stress
-from ..results import Residuals, Result
+from ..results import Residuals
 from .certificate import certificate
 from .collapse import collapse_loads
-from .density import density_during_winding, finished_density, volume, wound_length
-from .finished import FinalChanges, core_gap
+from .density import density_during_winding, finished_density, volume, wound_length, wound_mass
+from .finished import FinalChanges, core_gap, opening
 from .finite_layers import finite_layer_effects, finite_layer_stresses
-from .growth import Growth
-from .lane_roll import LANES, LaneRoll, WithLanes, build_up_of, solve_lanes
+from .lane_roll import LANES, LaneRoll
+from .roll_fields import RollFields
+from .solve_lanes import build_up_of, solve_lanes
 from .stages import Stage, stage_arrays, stresses_between, wound_stage
 from .validity import roll_warnings
 from .weight import flat_width, weight_of_layers, weight_share
@@ -35,7 +36,7 @@ SAMPLES = 1001  # radii at which the sign of the hoop stress is evaluated
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class RollResult(WithLanes, Result):
+class RollResult(RollFields):
     """The stresses in a wound roll, over its radius.
 
     Attributes
@@ -96,31 +97,6 @@ class RollResult(WithLanes, Result):
     )
     ESTIMATES: ClassVar[frozenset[str]] = frozenset({"layer_growth", "steps", "surface_slope"})
 
-    radius: Annotated[Array, length("r", "radius")]
-    pressure: Annotated[Array, stress("P", "pressure between the layers")]
-    hoop_stress: Annotated[Array, stress("sigma_t", "hoop (MD) stress, > 0: tension")]
-    displacement: Annotated[
-        Array, length("u", "outward displacement of a layer since it was wound", "um")
-    ]
-    layer_strain: Annotated[Array, strain("eps_t", "strain of the layers along the web")]
-    radial_modulus: Annotated[Array, stress("E_r", "radial modulus of the stack", "MPa")]
-    source: Annotated[Array, stress("C", "source term of the layers as wound", "MPa")]
-    pressure_gradient: Annotated[Array, stress("rP'", "radius times the pressure gradient")]
-    stage_radius: Annotated[Array, length("s", "outer radius at the stages of the build-up")]
-    growth: Annotated[
-        Array, pure("kappa", "growth of a layer's pressure below the surface, thin layers")
-    ]
-    stage_order: Annotated[
-        Array, pure("n_k", "order of the interpolation of the growth factor"), int
-    ]
-    layer_growth: Annotated[
-        Array, pure("kappa_h", "growth of a layer's pressure, layers of finite thickness")
-    ]
-    surface_slope: Annotated[float, share("e_s", "relative error of the slope at the surface")]
-    steps: Annotated[int, pure("n_it", "number of linear systems solved")] = 0
-    lane_count: Annotated[int, pure("L", "number of lanes across the width")] = 0
-    lane_roll: LaneRoll | None = field(default=None, compare=False, metadata={"saved": False})
-
     def recompute_lanes(self) -> LaneRoll:
         """Solve for the lanes again, with the default tolerance of the solver."""
         count = self.lane_count or LANES
@@ -166,11 +142,6 @@ class RollResult(WithLanes, Result):
         return wound_stage(self)
 
     @property
-    def is_off_core(self) -> bool:
-        """True if the roll does not touch its core: it is removed, or has shrunk away."""
-        return self.problem.core_removed or self.pressure[0] == 0
-
-    @property
     def bore_hoop_stress(
         self,
     ) -> Annotated[float, stress("sigma_b", "hoop (MD) stress at the bore, > 0: tension")]:
@@ -199,8 +170,7 @@ class RollResult(WithLanes, Result):
         self,
     ) -> Annotated[Array, strain("eps_g", "gaps between the layers, per thickness of the layers")]:
         """Radial strain by gaps between open layers, C/E_t; zero where they are in contact [1]."""
-        is_open = (self.pressure == 0) & (self.pressure_gradient == 0)
-        return np.where(is_open, self.source / self.problem.stack.tangential, 0.0)
+        return opening(self)
 
     @property
     def separation_radius(
@@ -285,16 +255,6 @@ class RollResult(WithLanes, Result):
         """
         change = self.finite_layer_change
         return float(change[np.argmax(np.abs(change))]) / self.peak_pressure
-
-    @cached_property
-    def kappa(self) -> Growth:
-        """Kappa as a function of ln r."""
-        return Growth.of(np.log(self.stage_radius), self.growth, self.stage_order)
-
-    @cached_property
-    def layer_kappa(self) -> Growth:
-        """Kappa as a function of ln r with layers of the web's thickness."""
-        return Growth.of(np.log(self.stage_radius), self.layer_growth, self.stage_order)
 
     @property
     def length(
@@ -389,10 +349,7 @@ class RollResult(WithLanes, Result):
         self,
     ) -> Annotated[float, Quantity("m_w", "kg/m", "mass of the web with compressed layers")]:
         """Mass of ``wound_length`` of the web [kg/m]; nan as ``mass``."""
-        density = self.problem.density
-        if density is None:
-            return float("nan")
-        return self.wound_length * float(self.problem.web_thickness) * float(density)
+        return wound_mass(self)
 
     @property
     def mean_density(
@@ -422,7 +379,7 @@ class RollResult(WithLanes, Result):
             For a radius outside the roll.
         """
         check_type("running", running, bool)
-        return stresses_between(self, radius, running=running)
+        return stresses_between(self, radius, self.as_wound if running else None)
 
     def at(self, radius: float) -> RollResult:
         """Return the stage of the build-up with a given surface radius.

@@ -21,6 +21,7 @@ from ..arguments import Option, check_type, tolerance, whole_number
 from ..errors import NotConverged
 from ..parallel import one_thread
 from ..problems.roll import RollProblem
+from ..problems.winding import WindingProblem
 from ..results import Residuals
 from .build_up import (
     BuildUp,
@@ -38,8 +39,9 @@ from .finite_layers import (
     layers_of,
     with_bore_displacement,
 )
-from .lane_roll import FEWEST_LANES, LANES, MOST_LANES, LaneRoll, NipsAcross, solve_lanes
+from .lane_roll import FEWEST_LANES, LANES, MOST_LANES, LaneRoll
 from .result import RollResult
+from .solve_lanes import NipsAcross, solve_lanes
 from .stage_nodes import source_error
 from .validity import roll_warnings
 
@@ -242,7 +244,11 @@ def _first_level(rtol: float) -> int:
 
 
 def lanes_of(
-    roll: ThinLayerRoll, problem: Any, rtol: float, lanes: int, nips: NipsAcross | None = None
+    roll: ThinLayerRoll,
+    problem: RollProblem | WindingProblem,
+    rtol: float,
+    lanes: int,
+    nips: NipsAcross | None = None,
 ) -> LaneRoll:
     """Return the lanes of a roll.
 

@@ -27,6 +27,7 @@ from .equations import (
     stretched,
 )
 from .finished import FEWEST_CELLS, equations_of, finished_arrays, surface_layer_depth
+from .roll_fields import RollFields
 from .stage_nodes import cell_source, kinks_of, nodes_between
 
 if TYPE_CHECKING:
@@ -63,22 +64,24 @@ class Stage(NamedTuple):
         return P, self.centrifugal * (r / self.radius[-1]) ** 2 - (P + Q)
 
 
-def stresses_between(result: Any, radius: ArrayLike, *, running: bool = False) -> dict[str, Any]:
+def stresses_between(
+    result: RollFields, radius: ArrayLike, stage: Stage | None = None
+) -> dict[str, Array]:
     """Return ``pressure`` and ``hoop_stress`` [Pa] at radii [m], with the shape of ``radius``.
 
-    P and Q = r dP/dr are interpolated between the nodes; the hoop stress is -(P + Q).  With
-    ``running`` they are those of the finished roll while it still runs, see :class:`Stage`.
+    P and Q = r dP/dr are interpolated between the nodes; the hoop stress is -(P + Q).  With a
+    ``stage`` they are those of the roll at this stage in place of the finished roll.
     """
     r = _radii_on_roll(result, radius)
-    if running:
-        P, hoop = result.as_wound.stresses_at(r)
+    if stage is not None:
+        P, hoop = stage.stresses_at(r)
         return {"pressure": P[()], "hoop_stress": hoop[()]}
     x = np.log(result.radius)
     P, Q = interpolate_pressure(x, result.pressure, result.pressure_gradient, np.log(r))
     return {"pressure": P[()], "hoop_stress": (-(P + Q))[()]}
 
 
-def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
+def stage_arrays(result: RollFields, radius: float) -> dict[str, Any]:
     """Return problem and arrays of the result of a stage; see :meth:`RollResult.at`.
 
     Parameters
@@ -123,7 +126,7 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
 
 
 def stages_at(
-    result: Any, radii: Sequence[float], cells: int | None = None, *, at_rest: bool = False
+    result: RollFields, radii: Sequence[float], cells: int | None = None, *, at_rest: bool = False
 ) -> list[Stage]:
     """Return the pressure at stages of the build-up, without residuals and error estimates.
 
@@ -163,7 +166,7 @@ def stages_at(
     return stages
 
 
-def wound_stage(result: Any, *, at_rest: bool = False) -> Stage:
+def wound_stage(result: RollFields, *, at_rest: bool = False) -> Stage:
     """Return the roll as wound, before its changes after winding, at the nodes of the result.
 
     Parameters
@@ -192,7 +195,7 @@ def wound_stage(result: Any, *, at_rest: bool = False) -> Stage:
     return Stage(result.radius, solved.P, solved.Q, tension, *rotation)
 
 
-def _radii_on_roll(result: Any, radius: ArrayLike) -> Array:
+def _radii_on_roll(result: RollFields, radius: ArrayLike) -> Array:
     """Return radii [m] as an array; those outside the roll by a rounding error are set to its ends.
 
     A single number gives an array without dimensions.
@@ -217,7 +220,7 @@ def _radii_on_roll(result: Any, radius: ArrayLike) -> Array:
 
 
 def _solve_stages(
-    result: Any, equations: StageEquations, surfaces: Sequence[float], cells: int
+    result: RollFields, equations: StageEquations, surfaces: Sequence[float], cells: int
 ) -> list[tuple[Array, StageSolution]]:
     """Solve stages of a result again, together, with the kappa of the result.
 

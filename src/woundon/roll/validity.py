@@ -8,19 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isfinite
-from typing import Any
 
 import numpy as np
 
 from ..problems.radial_laws import Constant
 from ..problems.roll import RollProblem
 from ..validity import limit_warning
+from .collapse import collapse_loads
+from .finished import opening
 from .finite_layers import finite_layer_stresses
+from .roll_fields import RollFields
 
 __all__ = ["roll_warnings", "yield_warnings"]
 
 
-def roll_warnings(result: Any) -> tuple[str, ...]:
+def roll_warnings(result: RollFields) -> tuple[str, ...]:
     """Return the warnings of a wound roll outside the validity limits."""
     return (
         *_strain_warnings(result),
@@ -29,9 +31,10 @@ def roll_warnings(result: Any) -> tuple[str, ...]:
     )
 
 
-def _separation_warnings(result: Any) -> Iterator[str]:
+def _separation_warnings(result: RollFields) -> Iterator[str]:
     """Yield warnings about layers that are open, and about inner layers that collapse."""
-    is_open = (result.opening > 0).astype(int)
+    gaps = opening(result)
+    is_open = (gaps > 0).astype(int)
     if is_open.any():
         r = result.radius * 1e3
         steps = np.diff(is_open, prepend=0, append=0)
@@ -39,17 +42,17 @@ def _separation_warnings(result: Any) -> Iterator[str]:
         radii = " and ".join(f"from {first:.4g} to {last:.4g} mm radius" for first, last in zones)
         yield (
             f"the layers have separated {radii}: the changes after winding leave gaps of up to "
-            f"{100 * result.opening.max():.3g}% of their thickness"
+            f"{100 * gaps.max():.3g}% of their thickness"
         )
-    if result.bonded_collapse_load > 1:
+    if (load := collapse_loads(result).bonded) > 1:
         yield (
             "the inner layers collapse into the bore: the pressure on them is "
-            f"{result.bonded_collapse_load:.3g} times the one at which a ring of bonded layers "
+            f"{load:.3g} times the one at which a ring of bonded layers "
             "buckles"
         )
 
 
-def _strain_warnings(result: Any) -> Iterator[str]:
+def _strain_warnings(result: RollFields) -> Iterator[str]:
     """Yield warnings about the strains of the web as it is wound, and in the finished roll."""
     problem = result.problem
     T = problem.tension_curve.at(result.radius)
@@ -76,7 +79,7 @@ def _strain_warnings(result: Any) -> Iterator[str]:
     )
 
 
-def _stack_warnings(result: Any) -> Iterator[str]:
+def _stack_warnings(result: RollFields) -> Iterator[str]:
     """Yield warnings about pressures beyond the range of the stack law."""
     stack = result.problem.stack
     law, k = stack.radial, int(np.argmax(result.pressure))

@@ -28,12 +28,14 @@ mean of the wound pressure down to the depth a and PEAK_COEFFICIENT p_max.
 from __future__ import annotations
 
 from math import exp, isnan, log, nan, pi
-from typing import Any
 
 import numpy as np
 
 from ..elasticity.half_plane import coefficients
 from ..problems.two_drums import GRAVITY
+from .density import wound_mass
+from .roll_fields import RollFields
+from .stages import stresses_between
 
 __all__ = ["DEPTHS", "PEAK_COEFFICIENT", "flat_width", "weight_of_layers", "weight_share"]
 
@@ -48,17 +50,17 @@ NARROWEST, WIDEST = 1e-6, 0.5
 OUTERMOST, PLACES = 1e-3, 400
 
 
-def weight_of_layers(result: Any, r: Array) -> Array:
+def weight_of_layers(result: RollFields, r: Array) -> Array:
     """Return the weight of the layers outside radii (k,) [m] per width, (k,) [N/m].
 
     It is nan without the density of the web.  The density of the roll is taken as uniform.
     """
     core, R = float(result.radius[0]), float(result.radius[-1])
     share = (R**2 - np.asarray(r, dtype=float) ** 2) / (R**2 - core**2)
-    return np.asarray(GRAVITY * result.wound_mass * share)
+    return np.asarray(GRAVITY * wound_mass(result) * share)
 
 
-def weight_share(result: Any) -> float:
+def weight_share(result: RollFields) -> float:
     """Return the largest W(r)/(pi r P) of a roll result on its core [1].
 
     It is infinite where the layers are open, and nan without the density of the web and off the
@@ -68,12 +70,12 @@ def weight_share(result: Any) -> float:
         return nan
     core, R = float(result.radius[0]), float(result.radius[-1])
     r = np.append(result.radius[:-1], np.linspace(core, R - OUTERMOST * (R - core), PLACES))
-    P = result.at_radius(r)["pressure"]
+    P = stresses_between(result, r)["pressure"]
     with np.errstate(divide="ignore"):
         return float(np.max(weight_of_layers(result, r) / (pi * r * np.maximum(P, 0.0))))
 
 
-def flat_width(result: Any) -> float:
+def flat_width(result: RollFields) -> float:
     """Return the width 2 a over which the roll is flattened by its weight on a rigid floor [m].
 
     It is nan without the density of the web, and for a roll so soft that it has no such contact.
@@ -89,7 +91,7 @@ def flat_width(result: Any) -> float:
         """Return ln(a^2) less that of the contact with the moduli at this half width a."""
         a = exp(log_a)
         depths = np.linspace(0.0, min(a, R - core), DEPTHS)
-        wound = float(np.mean(result.at_radius(R - depths)["pressure"]))
+        wound = float(np.mean(stresses_between(result, R - depths)["pressure"]))
         P_e = max(wound, 0.0) + PEAK_COEFFICIENT * 2 * W / (pi * a)
         return 2 * log_a - log(2 * coefficients(*stack.tangent(P_e)).C * W * R / pi)
 

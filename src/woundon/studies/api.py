@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arguments import check_arguments
 from ..errors import InvalidProblem
+from ..io.sheets import TableSource
 from ..problems.messages import quote
 from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
@@ -29,7 +30,7 @@ __all__ = ["global_sensitivity", "in_si", "range_in_si", "study_of", "sweep"]
 
 def sweep(
     problem: Problem,
-    over: Any,
+    over: TableSource,
     outputs: Sequence[str] | None = None,
     *,
     columns: Mapping[str, str | None] | None = None,
@@ -133,7 +134,7 @@ def sweep(
 
 def study_of(
     problem: Problem,
-    over: Any,
+    over: TableSource | None,
     outputs: Sequence[str] | None = None,
     *,
     columns: Mapping[str, str | None] | None = None,
@@ -161,6 +162,7 @@ def study_of(
             raise InvalidProblem.at("design", text)
         over, design = read_cases(over, problem, columns), "table"
     check_arguments(over=over)
+    assert over is None or isinstance(over, Mapping)
     values = in_si(problem, over or {})
     return (
         _model_of_study(problem, values, outputs, tie, options or {}),

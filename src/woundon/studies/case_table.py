@@ -22,7 +22,7 @@ from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
 from ..io.case_files import check_like_a_case, load_case, make_problem
 from ..io.cells import MAX_COUNTED, Fault, as_plain_number, decimal_sign, numbers, raise_faults
-from ..io.sheets import Sheet, read_sheet
+from ..io.sheets import Sheet, TableSource, read_sheet
 from ..io.tables import Column, Names, is_known_header, match_columns
 from ..problems.description import Description
 from ..problems.family import field_from_table
@@ -52,7 +52,7 @@ GIVEN = " (given)"  # behind the header of a copied column that has the name of 
 
 
 def solve_table(
-    table: Any,
+    table: TableSource,
     case: Problem | str | Path | None = None,
     outputs: Sequence[str] | None = None,
     *,

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem, NotConverged, unwarned
+from ..io.sheets import TableSource
 from ..problems.paths import get_field, number_in_si, varied_number
 from ..problems.problem import Problem
 from .compare_result import Comparison
@@ -35,6 +36,7 @@ from .predict import Case, cases_of
 from .progress import Progress, progress_reporter
 from .pull_tab import PullTab
 from .slopes import slopes, solve_case
+from .winder_log import WinderLog
 
 __all__ = ["compare"]
 
@@ -43,7 +45,7 @@ Array = np.ndarray
 
 def compare(
     problem: Problem,
-    measured: Any,
+    measured: TableSource | WinderLog,
     *,
     tab: PullTab | None = None,
     spread: Mapping[str, float | str] | None = None,

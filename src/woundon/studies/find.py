@@ -24,6 +24,7 @@ from ..problems.paths import find_places, varied_value
 from ..problems.permitted import admissible, admits, extremes
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units
+from ..results import Result
 from .api import range_in_si
 from .measurements import Observable
 from .model import model_of, quantities_of, solver_options
@@ -105,12 +106,12 @@ class FindResult(Outcome):
         return self.solutions[0].value
 
     @property
-    def result(self) -> Any:
+    def result(self) -> Result:
         """The result for the first value."""
         return self.solutions[0].result
 
     @property
-    def problem(self) -> Any:
+    def problem(self) -> Problem:
         """The problem with the first value."""
         return self.result.problem
 

@@ -24,6 +24,7 @@ import numpy as np
 
 from ..arguments import check_arguments, whole_number
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
+from ..io.sheets import TableSource
 from ..problems.messages import not_one_of, quote
 from ..problems.paths import varied_value
 from ..problems.problem import Problem
@@ -49,7 +50,7 @@ SAME_MINIMUM = 1e-3  # relative difference of S
 
 def fit(
     problem: Problem,
-    measured: Any,
+    measured: TableSource,
     vary: Mapping[str, tuple[float | str, float | str] | None] | Sequence[str],
     *,
     tie: Mapping[str, str] | None = None,

@@ -15,7 +15,7 @@ from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem
 from ..io.cells import numbers_by_name
 from ..io.files import check_writable
-from ..io.sheets import Sheet, read_sheet
+from ..io.sheets import Sheet, TableSource, read_sheet
 from ..io.spreadsheets import write_csv
 from ..io.tables import Column, Names, match_columns
 from ..problems.measured_moduli import WARNING_MISFIT, DynamicTest, frequency_quantity
@@ -207,7 +207,7 @@ class MasterCurve(Outcome):
         frame = self.to_dataframe()[list(units)]
         write_csv(Path(path), frame.rename(columns=lambda name: f"{name} [{units[name]}]"))
 
-    def shift_at(self, temperature: Any) -> Array:
+    def shift_at(self, temperature: float | Array) -> Array:
         """Return log10 a at temperatures in the range of the isotherms, by the law if there is one.
 
         Parameters
@@ -222,7 +222,7 @@ class MasterCurve(Outcome):
 
 
 def master_curve(
-    isotherms: Any,
+    isotherms: TableSource,
     reference_temperature: float | str,
     *,
     shifts: Literal["free", "wlf"] = "free",

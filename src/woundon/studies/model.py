@@ -67,7 +67,7 @@ class Model(Protocol):
         """Names of the outputs."""
         ...
 
-    def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
+    def run(self, inputs: Mapping[str, Any], start: Result | None) -> Answer:
         """Solve one case; ``start`` is the state of a neighbour and must not change the result.
 
         An exception is the reason for the failure of the case.
@@ -216,7 +216,7 @@ class KindModel:
                 return kind.solver(problem, start=start, **options)
         return kind.solver(problem, **options)
 
-    def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
+    def run(self, inputs: Mapping[str, Any], start: Result | None) -> Answer:
         """Solve one case."""
         with unwarned():  # warnings are a column of the table
             result = self.solve(self.variant(inputs), start)
@@ -249,7 +249,7 @@ class KindModel:
 
 
 def model_of(
-    problem: Any,
+    problem: Problem,
     outputs: Sequence[str] | None,
     tie: Mapping[str, str] | None,
     options: Mapping[str, Any],
@@ -276,7 +276,9 @@ def model_of(
     return KindModel(problem, names, settings, dict(tie or {})).checked()
 
 
-def solver_options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> dict[str, Any]:
+def solver_options(
+    nodes: object, rtol: object, options: Mapping[str, Any] | None
+) -> dict[str, Any]:
     """Return the options of the solver that are not None.
 
     >>> solver_options(65, None, {"progress": None})

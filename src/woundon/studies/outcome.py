@@ -7,7 +7,8 @@ show these.  Its figure is found in :mod:`woundon.report.presentation`.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from ..io.json_texts import json_text
@@ -15,6 +16,8 @@ from ..results import Presented, ReadOnly
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["Outcome"]
 
@@ -54,7 +57,12 @@ class Outcome(Presented, ReadOnly, ABC):
         """Return the content of :meth:`to_json`, by name; by default the rows of the table."""
         return {"rows": self.to_dataframe().reset_index().to_dict(orient="records")}
 
-    def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
+    def plot(
+        self,
+        path: str | PathLike[str] | None = None,
+        ax: Axes | None = None,
+        panels: str | Sequence[str] | None = None,
+    ) -> Figure | Axes:
         """Draw the result.
 
         Parameters

@@ -10,6 +10,7 @@ from ..arguments import whole_number
 from ..errors import InvalidProblem
 from ..problems.messages import quote
 from ..problems.units import parse
+from ..quantities import Values
 
 __all__ = ["PullTab"]
 
@@ -90,6 +91,7 @@ class PullTab:
             return float(self.slope)
         return 1 / (self.faces * float(self.friction) * float(self.area))
 
-    def pressure(self, force: Any) -> Any:
+    def pressure(self, force: Values) -> Values:
         """Return the pressure [Pa] for a force [N], or for an array of forces."""
-        return self.pressure_per_force * force + self.offset
+        pressure: Any = self.pressure_per_force * force + self.offset
+        return pressure

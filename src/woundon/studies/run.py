@@ -17,6 +17,7 @@ from contextlib import closing, nullcontext
 from dataclasses import dataclass, field
 from functools import partial
 from math import inf
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -38,6 +39,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray
     from distributed import Client
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["Table", "Workers", "failures", "run_study", "solve_chunk"]
 
@@ -448,7 +451,7 @@ class Table(Presented):
             return {}
         return {"units": quantity.unit, "long_name": quantity.meaning, "symbol": quantity.symbol}
 
-    def plot(self, output: str, path: Any = None) -> Any:
+    def plot(self, output: str, path: str | PathLike[str] | None = None) -> Figure | Axes:
         """Draw one output over the inputs."""
         return self._figure(output, path)
 

@@ -113,7 +113,7 @@ class OptimisedSchedule(Outcome):
     quantities: Mapping[str, Quantity]
 
     @property
-    def problem(self) -> Any:
+    def problem(self) -> Problem:
         """The winding with the best schedule."""
         return self.after.problem
 

@@ -29,6 +29,7 @@ import numpy as np
 from ..arguments import check_type, whole_number
 from ..errors import InvalidProblem
 from ..io.compression import CompressionTest, read_compression_test, rising_means
+from ..io.sheets import TableSource
 from ..problems.messages import not_one_of
 from ..problems.radial_laws import (
     Constant,
@@ -95,7 +96,7 @@ class LawFit(NamedTuple):
 
 
 def fit_stack(
-    test: Any,
+    test: TableSource | StackTest,
     *,
     area: float | str | None = None,
     height: float | str | None = None,

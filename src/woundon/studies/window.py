@@ -93,7 +93,7 @@ def operating_window(
     out: str | Path | None = None,
     resume: bool = False,
     progress: bool | Progress = False,
-    preview: Callable[[OperatingWindow], Any] | None = None,
+    preview: Callable[[OperatingWindow], object] | None = None,
     options: Mapping[str, Any] | None = None,
 ) -> OperatingWindow:
     """Map the probability that all margins of a winding hold, over two or three set points.
@@ -236,7 +236,7 @@ class _Study:
 
     # ---- stages ---------------------------------------------------------------------------------
 
-    def run(self, preview: Callable[[OperatingWindow], Any] | None) -> OperatingWindow:
+    def run(self, preview: Callable[[OperatingWindow], object] | None) -> OperatingWindow:
         """Solve the windings of all stages; return the window."""
         rough = nips = self._solve("nips", self.rough)
         is_fine, has_shares = False, bool(self.model.depths)

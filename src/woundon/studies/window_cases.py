@@ -31,6 +31,7 @@ from ..problems.problem import Problem
 from ..problems.schedules import Profile, Steps, Taper
 from ..problems.winding import SCHEDULES, WindingProblem, schedule_limits
 from ..quantities import Quantity, scalar_outputs
+from ..results import Result
 from .api import range_in_si
 from .cases import table_of_cases
 from .model import Answer, KindModel, kind_of, model_of, solver_options
@@ -217,7 +218,7 @@ class WindowModel(KindModel):
         tension = without_friction + np.array(inputs[FRICTION_SHARE]) * friction
         return problem.replace(tension_law=Profile(radius=r, value=tension))
 
-    def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
+    def run(self, inputs: Mapping[str, Any], start: Result | None) -> Answer:
         """Solve one case for its margins and the friction shares (WOT - T_in - F)/(mu P)."""
         count = len(self.outputs) - len(self.depths)  # of margins, which come first
         answer = KindModel.run(replace(self, outputs=self.outputs[:count]), inputs, start)
@@ -354,7 +355,7 @@ class Windings(NamedTuple):
         """Mask of the solved windings, (cases,)."""
         return np.asarray(self.failures == "")
 
-    def rows(self, selection: Any) -> Windings:
+    def rows(self, selection: Array | slice | Sequence[int]) -> Windings:
         """Return some of the windings: those of a mask, a slice or a list of numbers."""
         return Windings(*(array[selection] for array in self))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import nan
 from typing import Any
 
@@ -14,7 +15,7 @@ from ..problems.winding import LOADS, SCHEDULES, WindingProblem
 from ..results import Residuals
 from ..roll.solve import ThinLayerRoll
 from ..roll.validity import yield_warnings
-from .bodies import tension_on_roll
+from .bodies import NipSample, tension_on_roll
 from .drives import drive_radii, drives_of
 from .drum_nips import drum_nips
 from .nips import Nips
@@ -63,40 +64,28 @@ def assemble_result(
     """
     loads: dict[str, Any] = {name: problem.at(name, r) for name in LOADS}
     samples = nips.from_core_to_surface()
-    results = [sample.result for sample in samples]
     wound = roll.with_finite_layers()
     of_drives = drive_radii(problem)
-    drives = drives_of(problem, of_drives, film)
+    drives: dict[str, Any] = drives_of(problem, of_drives, film)
     result = WindingResult(
         problem=problem,
         radius=r,
         **loads,
         nip_induced_tension=tension - loads["web_tension"],
         wound_on_tension=tension,
-        nip_radius=np.array([sample.radius for sample in samples]),
-        nip_wound_on_tension=np.array([tension_on_roll(nip) for nip in results]),
+        **_arrays_of_nips(nips, samples),
         nip_departure=np.zeros(len(samples)) if departure is None else departure,
-        nip_half_width=np.array([nip.half_width for nip in results]),
-        nip_peak_pressure=np.array([nip.peak_pressure for nip in results]),
-        nip_effective_pressure=np.array([sample.pressure for sample in samples]),
-        nip_air_film=np.array([nips.films[sample.radius] for sample in samples]),
-        # the friction that the air film leaves
-        nip_friction=np.array([nip.without_air.roll_friction for nip in results]),
         air_film=film,
-        nip_error=np.array([nip.errors.get("roll_wound_on_tension", np.nan) for nip in results]),
-        nip_residual=np.array([nip.residual for nip in results]),
         interpolation_error=interpolation[0],
         core_interpolation_error=interpolation[1],
         nodes=nips.nodes,
         roll_rtol=rtol,
         coupling_rtol=coupling_rtol,
         nips_solved=nips.solved,
-        front=drum_nips(results, 1),
-        rider=drum_nips(results, 2),
+        front=drum_nips([sample.result for sample in samples], 1),
+        rider=drum_nips([sample.result for sample in samples], 2),
         drive_radius=of_drives,
-        core_drive=drives["core_drive"],
-        drum_drive=drives["drum_drive"],
-        front_drive=drives["front_drive"],
+        **drives,
         residuals=Residuals(),
         warnings=(
             *nips.warnings(),
@@ -114,6 +103,24 @@ def assemble_result(
         name: abs(getattr(curved_roll, name) - getattr(roll.result, name)) for name in ROLL_OUTPUTS
     }
     return result.replace(errors=_errors(result, first_layers))
+
+
+def _arrays_of_nips(nips: Nips, samples: Sequence[NipSample]) -> dict[str, Any]:
+    """Return the arrays over the solved nips, (n,) each [SI], by the names of the result."""
+    results = [sample.result for sample in samples]
+    arrays = {
+        "radius": [sample.radius for sample in samples],
+        "wound_on_tension": [tension_on_roll(nip) for nip in results],
+        "half_width": [nip.half_width for nip in results],
+        "peak_pressure": [nip.peak_pressure for nip in results],
+        "effective_pressure": [sample.pressure for sample in samples],
+        "air_film": [nips.films[sample.radius] for sample in samples],
+        # the friction that the air film leaves
+        "friction": [nip.without_air.roll_friction for nip in results],
+        "error": [nip.errors.get("roll_wound_on_tension", nan) for nip in results],
+        "residual": [nip.residual for nip in results],
+    }
+    return {f"nip_{name}": np.array(values) for name, values in arrays.items()}
 
 
 def _unevenness_warning(

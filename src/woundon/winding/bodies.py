@@ -257,6 +257,7 @@ def with_exponents(problem: WindingProblem, stage: Stage, sample: NipSample) -> 
     They stay as they are if this nip cannot be solved on the same mesh.  Parameters as of
     :func:`predicted_nip`.
     """
+    assert sample.result.refinement is not None  # only of a loaded result
     mesh, P = sample.result.refinement.last, (1 + EXPONENT_STEP) * sample.pressure
     roll = effective_cylinder(problem, sample.radius, P)
     try:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from .drum_nips import drum_nips
 from .foil import mean_foil_film
 from .measured import smoothed
 from .nips import PRESSURE_TOLERANCE, Nips
+from .winding_fields import WindingFields
 
 __all__ = ["LARGEST_COUPLING_RTOL", "certificate", "recomputed_nips"]
 
@@ -48,7 +48,7 @@ NIP_ARRAYS = (
 )
 
 
-def certificate(result: Any) -> Residuals:
+def certificate(result: WindingFields) -> Residuals:
     """Compute the residuals of a result.
 
     roll
@@ -105,7 +105,7 @@ def certificate(result: Any) -> Residuals:
     )
 
 
-def _end_radii_residual(result: Any) -> float:
+def _end_radii_residual(result: WindingFields) -> float:
     """Return the relative difference of the end radii from those of the problem.
 
     It is infinite unless radii increase and the arrays over them have their length.
@@ -116,7 +116,7 @@ def _end_radii_residual(result: Any) -> float:
     return largest(np.abs(r[[0, -1]] / result.problem.ends - 1))
 
 
-def _drives_residual(result: Any) -> float:
+def _drives_residual(result: WindingFields) -> float:
     """Return the largest difference of the drives from those of the problem, relative to each."""
     r = drive_radii(result.problem)
     if result.drive_radius.shape != r.shape:
@@ -135,7 +135,7 @@ def _drives_residual(result: Any) -> float:
     return largest(differences)
 
 
-def _positivity_residual(result: Any) -> float:
+def _positivity_residual(result: WindingFields) -> float:
     """Return 0 if widths, pressures and friction of all nips are positive, else inf."""
     expected = result.nip_radius.shape if result.problem.solves_nips else (0,)
     if any(getattr(result, name).shape != expected for name in NIP_ARRAYS):
@@ -153,7 +153,7 @@ def _positivity_residual(result: Any) -> float:
     return largest([positive(*quantities), 0.0 if (result.nip_residual >= 0).all() else np.inf])
 
 
-def _has_drum_nips(result: Any, expected: tuple[int, ...]) -> bool:
+def _has_drum_nips(result: WindingFields, expected: tuple[int, ...]) -> bool:
     """Return whether the nips of front drum and rider are those of the problem's winder."""
     winder, has_nips = result.problem.winder, bool(expected[0])
     for nips, is_solved in (
@@ -167,7 +167,7 @@ def _has_drum_nips(result: Any, expected: tuple[int, ...]) -> bool:
     return True
 
 
-def _air_film_residual(result: Any) -> float:
+def _air_film_residual(result: WindingFields) -> float:
     """Return the difference of the air film from the mean film of the nips, over thickness."""
     if not result.problem.has_nip:
         mean = mean_foil_film(result.problem)
@@ -176,7 +176,7 @@ def _air_film_residual(result: Any) -> float:
     return abs(result.air_film - mean) / float(result.problem.web.thickness)
 
 
-def recomputed_nips(result: Any) -> Mapping[str, tuple[Array, Array]]:
+def recomputed_nips(result: WindingFields) -> Mapping[str, tuple[Array, Array]]:
     """Solve the nips of a result again; return (outputs, tolerances) by the name of the field.
 
     A nip follows from the problem, its radius and the body of the roll: the effective pressure, or

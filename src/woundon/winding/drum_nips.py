@@ -46,7 +46,7 @@ class DrumNips(ReadOnly):
     Examples
     --------
     >>> import woundon as wo
-    >>> wo.WindingResult.__annotations__["front"]
+    >>> wo.WindingResult.__dataclass_fields__["front"].type
     'DrumNips | None'
     """
 

@@ -30,7 +30,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
 
 import numpy as np
 
@@ -52,6 +51,7 @@ from ..roll.stages import stages_at
 from .bodies import NipSample, solved_nip, tension_on_roll
 from .nips import PRESSURE_TOLERANCE
 from .roll import wind
+from .winding_fields import WindingFields
 
 __all__ = ["NipAtRadius", "NipsOfWinding", "lanes_of_winding"]
 
@@ -151,7 +151,7 @@ class NipAtRadius:
 
 
 class NipsOfWinding:
-    """The nips of a winding across the width; see :class:`.lane_roll.NipsAcross`.
+    """The nips of a winding across the width; see :class:`.solve_lanes.NipsAcross`.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ class NipsOfWinding:
         Its roll.
     """
 
-    def __init__(self, result: Any, roll: RollResult) -> None:
+    def __init__(self, result: WindingFields, roll: RollResult) -> None:
         self.result, self.problem, self.roll = result, result.problem, roll
         self.core = float(self.problem.core.radius)
         self.samples = self._samples() if self.problem.solves_nips else None
@@ -215,6 +215,7 @@ class NipsOfWinding:
         """
         if not self._beams:
             return None
+        assert self.problem.thickness_profile is not None  # of a problem with lanes
         edges = np.array(self.problem.thickness_profile.position)[[0, -1]]
         with_share = lanes.share > 0
         ends = edges[0] + np.ptp(edges) * np.append(0.0, np.cumsum(lanes.share[with_share]))
@@ -395,6 +396,7 @@ def _approach_and_added(sample: NipSample | None, k: int) -> tuple[float, float]
     if sample is None:
         return np.nan, np.nan
     nip = sample.result
+    assert nip.refinement is not None  # only of a loaded result
     mesh = nip.refinement.last
     delta = approach(mesh.system.nips[k], mesh.state.nips[k])
     return delta, tension_on_roll(nip) - nip.problem.web_tension
@@ -422,7 +424,7 @@ def _completed(x: Array, values: Array) -> Array:
     return values
 
 
-def lanes_of_winding(result: Any, rtol: float, count: int) -> LaneRoll:
+def lanes_of_winding(result: WindingFields, rtol: float, count: int) -> LaneRoll:
     """Solve for the lanes of a winding.
 
     They are those of a roll at rest, as lanes neglect the centrifugal force, and of thin layers:

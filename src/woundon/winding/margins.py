@@ -23,7 +23,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import isclose, isinf, isnan, nan
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -48,6 +48,10 @@ from .criteria import (
     torque_carried,
     torque_share,
 )
+from .winding_fields import WindingFields
+
+if TYPE_CHECKING:
+    import xarray
 
 __all__ = ["Margin", "Margins", "WindingTorque", "WithMargins", "margins"]
 
@@ -355,7 +359,7 @@ class WindingTorque:
         return self.friction_ratio is not np.ones_like
 
     @classmethod
-    def of(cls, result: Any) -> WindingTorque:
+    def of(cls, result: WindingFields | RollResult) -> WindingTorque:
         """Return the quantities of a winding; a roll alone is taken as centre-wound."""
         if not isinstance(result, RollResult):
             problem, r = result.problem, result.radius
@@ -382,8 +386,7 @@ class WindingTorque:
 
 def _friction_ratio(film: float, P: Array, air: Air) -> Array:
     """Return the friction under P with an air film, relative to that without air."""
-    ratio: Array = friction_between(film, P, air)
-    return ratio
+    return friction_between(film, P, air)
 
 
 class _State(NamedTuple):
@@ -479,7 +482,7 @@ NO_LIMIT = "no limit given"
 
 
 def margins(
-    result: Any,
+    result: WindingFields | RollResult,
     limits: Limits | None = None,
     *,
     motion: Literal["running", "at rest"] | None = None,
@@ -559,7 +562,7 @@ def margins(
 
 # Values of a margin in the lanes, (M, L) over radius and position; the worst is the largest, or the
 # smallest of "slack".
-LANE_VALUES: dict[str, Callable[[Any], Array]] = {
+LANE_VALUES: dict[str, Callable[[xarray.Dataset], Array]] = {
     "compression": lambda lanes: -lanes.hoop_stress.values,
     "blocking": lambda lanes: lanes.pressure.values,
     "core": lambda lanes: lanes.pressure.values[:1],
@@ -585,7 +588,7 @@ LANES_LEFT_OUT = {
 }
 
 
-def _of_worst_lane(margin: Margin, lanes: Any) -> Margin:
+def _of_worst_lane(margin: Margin, lanes: xarray.Dataset) -> Margin:
     """Return a margin with the value of the worst lane of the finished roll.
 
     Parameters
@@ -619,7 +622,7 @@ def _of_worst_lane(margin: Margin, lanes: Any) -> Margin:
     )
 
 
-def _place_of_lane(lanes: Any, lane: int) -> str:
+def _place_of_lane(lanes: xarray.Dataset, lane: int) -> str:
     """Return the place of a lane across the web and its thickness, as text."""
     excess, position = float(lanes.thickness_excess[lane]), float(lanes.position[lane])
     thickness = "as thick as the mean"
@@ -869,11 +872,11 @@ def _slack(roll: RollResult, limits: Limits, torque_data: WindingTorque) -> Marg
     return _margin("slack", worst, limits.slack_tension, SLACK)
 
 
-def _drum_slip(result: Any) -> list[Margin]:
+def _drum_slip(result: WindingFields | RollResult) -> list[Margin]:
     """Return the margin of the friction between the drums of a two-drum winder and the web."""
-    problem = result.problem
-    if getattr(problem, "winder", None) is None:
+    if isinstance(result, RollResult) or result.problem.winder is None:
         return []
+    problem = result.problem
     r = result.radius
     used = problem.friction_used(r)
     words = {"drum": "of the rear drum", "winder.front_drum": "of the front drum"}
@@ -903,7 +906,7 @@ def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
     return _margin("gauge_band", worst, limits.yield_strain, BAND, note=note)
 
 
-def _bending(roll: RollResult, limits: Limits, lanes: Any) -> Margin:
+def _bending(roll: RollResult, limits: Limits, lanes: xarray.Dataset | None) -> Margin:
     """Return the margin of the strain at the outer face of the web, with a note on its coil set.
 
     With ``lanes``, see :attr:`RollResult.lanes`, it is that of the lane with the largest strain.
@@ -987,10 +990,8 @@ def _extreme(argextreme: Callable[..., Any], first: _OverRadius, *more: _OverRad
     return _WorstValue(float(values[row, k]), float(r[k]), place, r=r, values=over_radius)
 
 
-class WithMargins:
+class WithMargins(WindingFields):
     """Base class of a result that has the margins of a winding as outputs."""
-
-    problem: Any
 
     @cached_property
     def margins(self) -> Margins:
@@ -1043,10 +1044,10 @@ class WithMargins:
     @property
     def ridge_height(self) -> Annotated[float, RIDGE]:
         """Height of the ridge over the thickest lane [m]; nan if unknown."""
-        if self.worst_lane is not None:  # type: ignore[attr-defined]
-            return float(self.worst_lane.ridge_height)  # type: ignore[attr-defined]
+        if self.worst_lane is not None:
+            return float(self.worst_lane.ridge_height)
         try:
-            return ridge_height(self.roll)  # type: ignore[attr-defined]
+            return ridge_height(self.roll)
         except InvalidProblem:
             return nan
 

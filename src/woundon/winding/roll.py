@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ..errors import NoSteadyState
 from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
-from ..roll.result import RollResult
 from ..roll.solve import ThinLayerRoll, solve_thin_layers
 
-__all__ = ["recompute_roll", "recomputed", "wind"]
+__all__ = ["recomputed", "wind"]
 
 Array = np.ndarray
 STRAIGHT = 1e-13  # relative distance from a straight line below which a point lies on it
@@ -70,14 +67,6 @@ def recomputed(
         Of air between the layers, at ambient pressure [m].
     """
     return roll.wound_with(_roll_problem(problem, r, tension, film))
-
-
-def recompute_roll(result: Any) -> RollResult:
-    """Recompute the roll of a result that was loaded from a file."""
-    thin_layers = wind(
-        result.problem, result.radius, result.wound_on_tension, result.roll_rtol, result.air_film
-    )
-    return thin_layers.with_finite_layers()
 
 
 def _roll_problem(
