@@ -124,12 +124,6 @@ class RollResult(WithLanes, Result):
     def recompute_lanes(self) -> LaneRoll:
         """Solve for the lanes again, with the default tolerance of the solver."""
         count = self.lane_count or LANES
-        if self.problem.centrifugal_stress:  # which the lanes neglect
-            from .solve import solve_wound_roll
-
-            still = solve_wound_roll(self.problem.replace(web_speed=None), lanes=count)
-            assert still.lane_roll is not None  # the problem has a thickness profile
-            return still.lane_roll
         lanes = solve_lanes(self, build_up_of(self), self.problem, count=count)
         return lanes.with_finite_layers(abs(self.finite_layer_effect))
 
