@@ -15,7 +15,7 @@ from ..arguments import check_type
 from ..quantities import Quantity, length, line_load, pure, share, strain, stress
 from ..results import Residuals, Result
 from .certificate import certificate
-from .collapse import collapse_loads
+from .collapse import BONDED, SLIDING, collapse_loads
 from .density import density_during_winding, finished_density, volume, wound_length
 from .finished import FinalChanges, core_gap
 from .finite_layers import finite_layer_effects, finite_layer_stresses
@@ -205,9 +205,7 @@ class RollResult(WithLanes, Result):
         return float(self.radius[is_open][-1]) if is_open.any() else float("nan")
 
     @property
-    def sliding_collapse_load(
-        self,
-    ) -> Annotated[float, pure("c_s", "pressure on the inner layers / buckling, free sliding")]:
+    def sliding_collapse_load(self) -> Annotated[float, SLIDING]:
         """Pressure on the inner layers over their buckling pressure, if they slide freely [1].
 
         Below 1 they do not collapse; nan on a core, which supports them.
@@ -215,9 +213,7 @@ class RollResult(WithLanes, Result):
         return collapse_loads(self).sliding
 
     @property
-    def bonded_collapse_load(
-        self,
-    ) -> Annotated[float, pure("c_b", "pressure on the inner layers / buckling, bonded layers")]:
+    def bonded_collapse_load(self) -> Annotated[float, BONDED]:
         """Pressure on the inner layers over their buckling pressure, if they stick together [1].
 
         Above 1 they collapse even without slip; nan on a core, which supports them.
