@@ -459,20 +459,27 @@ class RollProblem(Problem):
             *warnings_across(self, self.web_thickness),
         )
 
+    def _coefficients_of(self, change: str) -> tuple[str, ...]:
+        """Return the coefficients of layers and core by which a change of the roll strains them."""
+        _, (along, through, core) = FREE_STRAINS[change]
+        return (along, through) if self.core_removed else (along, through, core)
+
     def _strains_by(self, change: str) -> bool:
         """Return True if layers or core are strained by a change of temperature or moisture."""
-        _, (along, through, core) = FREE_STRAINS[change]
-        parts = along, through, *(() if self.core_removed else (core,))
-        return any(getattr(self, name) for name in parts)
+        return any(getattr(self, name) for name in self._coefficients_of(change))
 
     def _without_effect(self) -> Iterator[str]:
-        """Yield warnings about a speed and changes of the finished roll that change nothing."""
+        """Yield a warning about each input that has no effect on the roll.
+
+        Those are a speed without density, a change of temperature or moisture without coefficients
+        of expansion, and the values of a core that is removed.
+        """
         if self.web_speed and self.density is None:
             text = f"web_speed = {self.web_speed:.6g} m/s is not used"
             yield f"{text}: without density the centrifugal force of the web is neglected"
-        for change, (_, coefficients) in FREE_STRAINS.items():
+        for change in FREE_STRAINS:
             if getattr(self, change) != 0 and not self._strains_by(change):
-                zero = coefficients[:2] if self.core_removed else coefficients
+                zero = self._coefficients_of(change)
                 yield f"{change} is not used, as {one_of(zero, 'and')} are 0"
         if self.core_removed:
             for name in OF_CORE:
