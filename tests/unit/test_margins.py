@@ -289,3 +289,44 @@ def test_the_margin_of_bending() -> None:
     assert (holds.ok, holds.note) == (True, "")
     assert wo.margins(roll)["bending"].verdict == "not checked"
     assert np.isnan(wo.margins(roll).bending)
+
+
+def test_the_inner_layers_of_a_coil_off_its_mandrel() -> None:
+    """Both limits are margins: bonded layers hold, freely sliding ones depend on friction."""
+    steel = wo.Stack(radial=2e9, tangential=200e9, poissons_ratio=0.0, shear=1e9)
+    coil = wo.RollProblem(
+        core=wo.Core(diameter=0.508, stiffness=60e9), diameter=1.5, web_thickness=1e-3,
+        stack=steel, wound_on_tension=30e3, core_removed=True,
+    )  # fmt: skip
+    result = wo.solve(coil)
+    found = wo.margins(result)
+    assert found["collapse"].value == result.bonded_collapse_load < 0.1
+    assert found["collapse"].reserve == pytest.approx(1 - result.bonded_collapse_load)
+    assert found.least is not None
+    assert found.least.name == "collapse"  # no other has a limit
+    # the innermost layer alone: 4 |sigma_t| r_c^2/(E_t h^2)
+    single = 4 * 28.59e6 * 0.254**2 / (200e9 * 1e-3**2)
+    assert found["sliding_collapse"].value == pytest.approx(single, rel=0.02)
+    assert found["sliding_collapse"].verdict == "not checked"
+    assert "friction between the layers" in found["sliding_collapse"].note
+    assert "collapse of the inner layers" in str(found)
+    # wound with a hundredth of the tension neither needs friction
+    loose = wo.margins(wo.solve(coil.replace(wound_on_tension=300.0)))
+    assert loose["sliding_collapse"].verdict == "holds"
+    assert loose["sliding_collapse"].value == pytest.approx(single / 100, rel=0.02)
+    on_mandrel = wo.margins(wo.solve(coil.replace(core_removed=False)))
+    assert {margin.name for margin in on_mandrel} == set(NAMES)
+
+
+def test_a_ring_that_collapses_into_the_bore_violates_its_margin() -> None:
+    stack = wo.Stack(radial=2e9, tangential=2e9, poissons_ratio=0.0, shear=1e9)
+    ring = wo.RollProblem(
+        core=wo.Core(radius=0.5, stiffness=2e9), radius=0.504, web_thickness=2e-4, stack=stack,
+        wound_on_tension=wo.Profile(radius=[0.5, 0.502, 0.504], value=[400.0, 400.0, 4000.0]),
+        core_removed=True,
+    )  # fmt: skip
+    with pytest.warns(wo.ValidityWarning, match="the inner layers collapse into the bore"):
+        found = wo.margins(wo.solve(ring))
+    assert found.violated == ("collapse",)
+    assert "collapse of the inner layers exceeds its limit" in found.verdict
+    assert "smaller core" in found.advice

@@ -276,9 +276,12 @@ def random_release(seed: int) -> wo.RollProblem:
     return roll
 
 
-def test_a_released_coil_by_its_closed_form():
-    """P_c by SciPy's quadrature: F = r^(g-1) + A r^(-g-1), g = 10; then T - (E_t/E_c + g) P_c."""
-    g, T, E_t, E_c = 10.0, 30e6, 200e9, 60e9
+def stresses_at_the_bore(E_t: float) -> tuple[float, float]:
+    """Return P_c as wound of a :data:`COIL` with this modulus, and the hoop stress released [Pa].
+
+    P_c by SciPy's quadrature: F = r^(g-1) + A r^(-g-1), g^2 = E_t/E_r; then T - (E_t/E_c + g) P_c.
+    """
+    g, T, E_c = float(np.sqrt(E_t / 2e9)), 30e6, 60e9
     A = (g - E_t / E_c) / (g + E_t / E_c)
     length = np.log(0.75 / 0.254)
     integral = quad(
@@ -286,12 +289,22 @@ def test_a_released_coil_by_its_closed_form():
     )[0]
     P_c = (1 + A) * T * integral
     # the release -P_c decays as r^(-g - 1); its reflection at the surface is (r_c/R)^(2 g) = 4e-10
-    hoop = T - (E_t / E_c + g) * P_c
+    return P_c, T - (E_t / E_c + g) * P_c
+
+
+def test_a_released_coil_by_its_closed_form():
+    """The modulus of steel decides the fourth digit: 200 GPa here, 206 GPa in handbooks."""
+    T, E_t = 30e6, 200e9
+    _, hoop = stresses_at_the_bore(E_t)
+    assert hoop == pytest.approx(-28.592e6, abs=0.5e3)
+    # The four digits of a table of this coil, which does not state the modulus: with 205 and 207
+    # GPa they are -28.57 and -28.55.  Other causes change it the other way: Poisson's ratio (-28.61
+    # MPa with 0.01, -29.02 with 0.3), and the thickness of the layers (-28.99 at the inner face).
+    assert stresses_at_the_bore(206e9)[1] == pytest.approx(-28.56e6, abs=5e3)
     released = COIL.replace(core_removed=True)
     result = wo.solve(released, rtol=1e-7)
     assert result.core_pressure == 0.0
     assert result.bore_hoop_stress == pytest.approx(hoop, rel=1e-5)
-    assert hoop == pytest.approx(-28.56e6, rel=2e-3)  # as a table of four digits has it
     assert result.bore_displacement == pytest.approx(0.254 * (hoop - T) / E_t, rel=1e-5)
     r = np.linspace(0.254, 0.75, 40)
     exact = constant_moduli(released, r)

@@ -67,7 +67,7 @@ def test_a_spinning_disc_on_a_core():
     radial, hoop = by_body(r)
     found = by_rotation(result)
     np.testing.assert_allclose(found[0], A - B / r**2 + radial, rtol=0, atol=1e-6 * c)
-    np.testing.assert_allclose(found[1], A + B / r**2 + hoop, rtol=0, atol=2e-6 * c)
+    np.testing.assert_allclose(found[1], A + B / r**2 + hoop, rtol=0, atol=1e-6 * c)
 
 
 @pytest.mark.parametrize("radial", [4e9, 40e6, wo.Pfeiffer(K1=1e5, K2=300.0)])
@@ -77,14 +77,14 @@ def test_a_spinning_ring(radial: object):
         1e9, 0.3, FREE, radius=0.0505, wound_on_tension=2000.0, web_thickness=1e-5
     ).replace(**{"stack.radial": radial})
     result = wo.solve(ring, rtol=1e-6)
-    r = np.linspace(0.05, 0.0505, 4001)
     radial, hoop = by_rotation(result)
-    mean = np.trapezoid(np.interp(r, result.radius, hoop), r) / 0.0005
+    mean = np.trapezoid(hoop, result.radius) / 0.0005
     # the core that is limited to E_t/1e7 carries 1e-5 of it
     mean += 0.05 * radial[0] / 0.0005
-    # the mean of r^2 over the ring relative to that of its surface; quadrature 1e-6
+    # the mean of r^2 over the ring relative to that of its surface
     expected = 0.4e6 * (0.0505**3 - 0.05**3) / (3 * 0.0005 * 0.0505**2)
-    assert mean == pytest.approx(expected, rel=2e-6)
+    # the trapezoidal rule on 330 nodes of a stress that changes by 2 % has an error of 6e-10
+    assert mean == pytest.approx(expected, rel=1e-8)
     assert expected == pytest.approx(1000.0 * (20.0 * 0.05025 / 0.0505) ** 2, rel=1e-4)
 
 
@@ -117,11 +117,11 @@ def test_a_roll_wound_at_speed_against_its_closed_form(stack: tuple, more: dict)
     """At rest it is the roll of the tension T less the hoop stress at the spinning surface."""
     problem, r = plain(*stack, **more), np.array([0.05, 0.06, 0.08, 0.10, 0.15, 0.19])
     exact = constant_moduli(problem, r)
-    found = wo.solve(problem, rtol=1e-6).at_radius(r)
+    found = wo.solve(problem, rtol=3e-7).at_radius(r)
     largest = exact.pressure.max()
     assert np.max(np.abs(found["pressure"] - exact.pressure)) < 1e-6 * largest
-    # the slope between nodes is of order three only
-    assert np.max(np.abs(found["hoop_stress"] - exact.hoop_stress)) < 2e-6 * largest
+    # the slope between nodes is of order three only: up to 5e-7, the pressure 4e-8
+    assert np.max(np.abs(found["hoop_stress"] - exact.hoop_stress)) < 1e-6 * largest
     still = constant_moduli(problem.replace(web_speed=None), r)
     assert np.max(np.abs(still.pressure - exact.pressure)) > 0.01 * largest
 

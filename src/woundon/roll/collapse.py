@@ -27,13 +27,21 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..quantities import pure
 from .finished import opening
 from .roll_fields import RollFields
 from .stages import stresses_between
 
-__all__ = ["CollapseLoads", "collapse_loads"]
+__all__ = ["BONDED", "SLIDING", "CollapseLoads", "collapse_loads"]
 
 Array = np.ndarray
+# both limits as outputs of a roll, and as margins
+SLIDING = pure("c_s", "pressure on the inner layers / buckling, free sliding").named(
+    "sliding_collapse_load"
+)
+BONDED = pure("c_b", "pressure on the inner layers / buckling, bonded layers").named(
+    "bonded_collapse_load"
+)
 DEPTHS = 400  # groups of inner layers that are compared
 
 

@@ -15,7 +15,7 @@ from ..arguments import check_type
 from ..quantities import Quantity, length, line_load, pure, share, strain, stress
 from ..results import Residuals
 from .certificate import certificate
-from .collapse import collapse_loads
+from .collapse import BONDED, SLIDING, collapse_loads
 from .density import density_during_winding, finished_density, volume, wound_length, wound_mass
 from .finished import FinalChanges, core_gap, opening
 from .finite_layers import finite_layer_effects, finite_layer_stresses
@@ -100,12 +100,6 @@ class RollResult(RollFields):
     def recompute_lanes(self) -> LaneRoll:
         """Solve for the lanes again, with the default tolerance of the solver."""
         count = self.lane_count or LANES
-        if self.problem.centrifugal_stress:  # which the lanes neglect
-            from .solve import solve_wound_roll
-
-            still = solve_wound_roll(self.problem.replace(web_speed=None), lanes=count)
-            assert still.lane_roll is not None  # the problem has a thickness profile
-            return still.lane_roll
         lanes = solve_lanes(self, build_up_of(self), self.problem, count=count)
         return lanes.with_finite_layers(abs(self.finite_layer_effect))
 
@@ -181,9 +175,7 @@ class RollResult(RollFields):
         return float(self.radius[is_open][-1]) if is_open.any() else float("nan")
 
     @property
-    def sliding_collapse_load(
-        self,
-    ) -> Annotated[float, pure("c_s", "pressure on the inner layers / buckling, free sliding")]:
+    def sliding_collapse_load(self) -> Annotated[float, SLIDING]:
         """Pressure on the inner layers over their buckling pressure, if they slide freely [1].
 
         Below 1 they do not collapse; nan on a core, which supports them.
@@ -191,9 +183,7 @@ class RollResult(RollFields):
         return collapse_loads(self).sliding
 
     @property
-    def bonded_collapse_load(
-        self,
-    ) -> Annotated[float, pure("c_b", "pressure on the inner layers / buckling, bonded layers")]:
+    def bonded_collapse_load(self) -> Annotated[float, BONDED]:
         """Pressure on the inner layers over their buckling pressure, if they stick together [1].
 
         Above 1 they collapse even without slip; nan on a core, which supports them.

@@ -144,11 +144,7 @@ def solve_wound_roll(
     if problem.thickness_profile is not None:
         # the stages of the lanes are those of a roll without the error of Newton's method
         roll = roll.wound_with(problem)
-        mean = roll
-        if problem.centrifugal_stress:  # which the lanes neglect
-            still = problem.replace(web_speed=None)
-            mean = solve_thin_layers(still, rtol).wound_with(still)
-        lane_roll = lanes_of(mean, mean.result.problem, rtol, lanes)
+        lane_roll = lanes_of(roll, problem, rtol, lanes)
         result = roll.result.replace(lane_roll=lane_roll, lane_count=lanes)
         roll = roll._replace(result=result)
     result = roll.with_finite_layers().warned()

@@ -14,7 +14,7 @@ from ..problems.roll import RollProblem
 from ..problems.stack import Stack
 from ..problems.thickness_profile import Lanes
 from ..problems.winding import WindingProblem
-from .build_up import BuildUp, NotWoundError
+from .build_up import BuildUp, NotWoundError, wind, wind_with_stages
 from .equations import CellSource, StageData, StageSolution, interpolate_pressure, stretched
 from .finished import ROUNDING, FinalChanges, equations_of, surface_layer_depth, with_nodes
 from .lane_roll import NIP_LOADS, PRESSURES, LaneRoll, WorstLane
@@ -88,6 +88,37 @@ def build_up_of(result: RollFields) -> BuildUp:
     return BuildUp(growth, all_nodes, solutions)
 
 
+def _wound_at_rest(result: RollFields, tolerance: float) -> BuildUp:
+    """Return the build-up of the same roll without centrifugal force.
+
+    Its stages are chosen with a ``tolerance`` of kappa, relative to kappa + 2, and then solved
+    without the error of Newton's method, as the lanes need them.
+
+    Raises
+    ------
+    NotWoundError
+    """
+    problem = _at_rest(result.problem)
+    equations, curve = equations_of(problem), problem.tension_curve
+    cells, surface_layer = _cells(result), surface_layer_depth(problem)
+    core, surface = problem.core.radius, problem.radius
+    reference = wind(
+        equations,
+        curve,
+        core,
+        surface,
+        tolerance=tolerance,
+        cells=cells,
+        surface_layer=surface_layer,
+    )
+    return wind_with_stages(equations, curve, reference, cells=cells, surface_layer=surface_layer)
+
+
+def _at_rest(problem: RollProblem) -> RollProblem:
+    """Return the problem without the centrifugal force, which the lanes neglect."""
+    return problem.replace(web_speed=None) if problem.centrifugal_stress else problem
+
+
 def _cells(result: RollFields) -> int:
     """Return the approximate number of cells of a stage, without those at kinks of the tension."""
     return max(int(result.radius.size) - 1 - int(result.problem.tension_curve.kinks.size), 1)
@@ -112,12 +143,14 @@ def solve_lanes(
     estimate of order two with the factor of safety 3.  The stages add their tolerance, or their
     largest error where that exceeds it, and the mean roll its own.
 
+    The lanes neglect the centrifugal force: their mean roll is wound at rest.
+
     Parameters
     ----------
     result : RollResult
         The roll of the mean web.
     build_up : BuildUp
-        Its stages.
+        Its stages, which those of the lanes begin with if the roll is wound at rest.
     problem : RollProblem or WindingProblem
         With the thickness profile and the oscillation.
     count : int
@@ -132,6 +165,8 @@ def solve_lanes(
         If a stage has no solution, the layers of a lane separate, or its pressure exceeds the range
         of the law of the stack.
     """
+    if result.problem.centrifugal_stress:
+        build_up = _wound_at_rest(result, tolerance)
     profile, oscillation = problem.thickness_profile, problem.oscillation
     assert profile is not None  # of a problem with lanes
     lanes = profile.lanes(count, oscillation)
@@ -167,8 +202,8 @@ def _solve(
 
     Parameters as of :func:`solve_lanes`.
     """
-    problem, curve = result.problem, result.problem.tension_curve
-    equations = equations_of(problem)
+    problem = _at_rest(result.problem)
+    equations, curve = equations_of(problem), problem.tension_curve
 
     def tension_at(x: float, c: Array, mu: Array, guess: Array) -> TensionOfLanes:
         """Return the tension of the lanes of a roll without a nip."""

@@ -10,6 +10,8 @@ r"""Margins of a wound roll against known defects.
     drum_slip    |F|/(mu P) of each drum of a two-drum winder, at most 1
     gauge_band   max of WOT_b/(h E_t)    strain of the thickest lane, against the yield strain
     bending      max of T/E_t + h/2r     strain at the outer face, against the yield strain
+    collapse     pressure on the inner layers of a roll off its core / buckling of bonded layers
+    sliding_collapse                     the same of layers that slide freely on each other
 
 Of a two-drum winder strength and slack contain the tensions between the nips.  Each margin is
 evaluated over the radius of the finished roll and, except blocking, which takes
@@ -37,6 +39,7 @@ from ..problems.messages import quote
 from ..problems.roll import Core, RollProblem
 from ..quantities import Quantity, length, line_load, share, strain, stress
 from ..results import Presented
+from ..roll.collapse import BONDED, SLIDING
 from ..roll.gauge_band import gauge_band_over, lane_strain
 from ..roll.lane_roll import POSITION
 from ..roll.result import RollResult
@@ -73,6 +76,8 @@ TITLES = {
     "gauge_band": "gauge band (baggy lane)",
     "bending": "yield by bending (coil set)",
     "drum_slip": "slip of a drum",
+    "collapse": "collapse of the inner layers",
+    "sliding_collapse": "collapse of the inner layers without friction",
 }
 SMALL = 0.25  # reserve below which reports give advice
 FIELDS = {
@@ -94,6 +99,9 @@ HINTS = {
     "gauge_band": "reduce the wound-on tension, even out the thickness, or oscillate the web",
     "bending": "use a larger core, a thinner web, or less tension at the core",
     "drum_slip": "let the other drum carry more of the torque, or increase the rider load",
+    "collapse": "leave the core in the roll, use a smaller core, or reduce the wound-on tension",
+    "sliding_collapse": "leave the core in the roll, use a smaller core, or reduce the wound-on "
+    "tension",
 }
 # In place of these, of a winding without a nip.
 HINTS_WITHOUT_NIP = {
@@ -111,8 +119,8 @@ class Margin:
     Attributes
     ----------
     name : str
-        "slip", "compression", "blocking", "core", "strength", "slack", "gauge_band", "bending" or,
-        of a two-drum winder, "drum_slip".
+        "slip", "compression", "blocking", "core", "strength", "slack", "gauge_band", "bending"; of
+        a two-drum winder "drum_slip"; of a roll off its core "collapse" and "sliding_collapse".
     value : float
         Worst value in the roll; SI, nan if it is unknown.
     limit : float
@@ -477,6 +485,10 @@ LEFT_OUT = {
     "smaller radius upstream, tension that is uneven across the width",
     "slack": "baggy lanes and tension that is uneven across the width or in time, flutter",
     "drum_slip": "torques at a start or stop, rolling resistance of covers and rider, worn drums",
+    "collapse": "the layers outside, which hold the ring where it moves outwards; the shear of the "
+    "stack, imperfections and uneven thickness, by which it buckles earlier",
+    "sliding_collapse": "friction between the layers; the layers outside, which hold the ring "
+    "where it moves outwards; imperfections and uneven thickness",
 }
 NO_LIMIT = "no limit given"
 
@@ -551,6 +563,7 @@ def margins(
         _gauge_band(roll, limits),
         _bending(roll, limits, result.lanes),
         *_drum_slip(result),
+        *_collapse(roll),
     )
     if (lanes := result.lanes) is not None:
         worst = tuple(_of_worst_lane(margin, lanes) for margin in worst)
@@ -882,6 +895,36 @@ def _drum_slip(result: WindingFields | RollResult) -> list[Margin]:
     words = {"drum": "of the rear drum", "winder.front_drum": "of the front drum"}
     drums = [_OverRadius(words[name], r, values) for name, values in used.items()]
     return [_margin("drum_slip", _extreme(np.argmax, *drums), 1.0, DRUMS)]
+
+
+def _collapse(roll: RollResult) -> list[Margin]:
+    """Return the margins of the inner layers of a roll off its core, bonded and freely sliding.
+
+    Layers collapse without slip if the load of bonded layers exceeds 1, and do not collapse if that
+    of freely sliding layers is below 1.  Above 1 friction decides, which has no known limit.
+    """
+    if not roll.is_off_core:
+        return []
+    bonded, sliding = roll.bonded_collapse_load, roll.sliding_collapse_load
+    of_bonded = "its limit is the buckling of a ring of bonded layers (Levy 1884)"
+    of_sliding = "its limit is the buckling of rings that slide freely (Levy 1884)"
+    if sliding > 1:
+        of_sliding = "friction between the layers must hold them; its limit is not known"
+    limits = (
+        ("collapse", bonded, 1.0, BONDED, of_bonded),
+        ("sliding_collapse", sliding, None if sliding > 1 else 1.0, SLIDING, of_sliding),
+    )
+    bore = roll.radius[:1]
+    return [
+        _margin(
+            name,
+            _WorstValue(value, float(bore[0]), "", r=bore, values=np.array([value])),
+            limit,
+            quantity,
+            note,
+        )
+        for name, value, limit, quantity, note in limits
+    ]
 
 
 def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
