@@ -76,7 +76,7 @@ def test_exponents_of_the_effective_pressure_are_those_of_solved_nips():
 
 
 def test_a_piece_meets_polynomials_exactly_and_estimates_its_error():
-    piece = Piece(-3.0, 1.0)
+    piece = Piece(-3.0, 1.0, 7)
     values = {x: x**3 - 2 * x for x in piece.places}
     x = np.linspace(-3, 1, 101)
     np.testing.assert_allclose(piece.at(x, values), x**3 - 2 * x, atol=1e-11)
