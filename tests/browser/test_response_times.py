@@ -19,8 +19,9 @@ from slider_moves import move_sliders, open_page
 
 pytestmark = pytest.mark.campaign
 MOVES, USERS = 60, 4
-# requested: 95 % within 100 ms; of four users, and next to another's study, twice as much
-MEDIAN, LATE, FACTOR = 75.0, 100.0, 2.0
+# requested: 60 ms in the median, 95 % within 100 ms; of four users, and next to another's study,
+# twice as much
+MEDIAN, LATE, FACTOR = 60.0, 100.0, 2.0
 GROWTH = 30.0  # MB of all processes between the halves of a soak: a tenth of one worker
 
 

@@ -52,6 +52,7 @@ Array = np.ndarray
 Progress = Callable[[float], None]
 
 RTOL, NODES = 1e-3, 65
+SURVEY = 1e-2  # rtol from which on a winding without error estimates begins with fewer nips
 # Tolerance of the nip-roll iteration with the default ``rtol``.  It increases in proportion to a
 # larger ``rtol``: the stages of the roll follow ``rtol``, and another stage changes the tension.
 COUPLING_RTOL = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
@@ -126,7 +127,7 @@ def solve_winding(
         result beyond the tolerances.
     errors : bool
         False omits the error estimates of the nips and what follows from them, a fifth of the time,
-        and begins the interpolation between the nips with fewer of them.
+        and with rtol >= 1e-2 begins the interpolation between the nips with fewer of them.
     progress : callable, optional
         Called with the estimated fraction of the work that is done.
 
@@ -246,7 +247,7 @@ class _Winder:
         self.problem, self.rtol, self.nodes, self.errors = problem, rtol, nodes, errors
         self.coupling_rtol = coupling_rtol
         self.start, self.progress = start, progress
-        self.curve = TensionCurve(problem, rtol, errors)
+        self.curve = TensionCurve(problem, rtol, survey=not errors and rtol >= SURVEY)
         self.nips = Nips(
             problem,
             nodes,
