@@ -219,7 +219,7 @@ class Covers(Sections):
 
     def sections(self) -> Iterator[tuple[str, str]]:
         rows: Rows = []
-        for name, table in library()["covers"].items():
+        for name, table in library("materials")["covers"].items():
             entry = entry_of(table)
             cells = [
                 _with_spread(str(entry.values[key]), entry.spread.get(key))
@@ -248,7 +248,7 @@ class GradeSources(Sections):
     """``{grade-sources}``: the sources that grades and covers name."""
 
     def sections(self) -> Iterator[tuple[str, str]]:
-        yield "", _table(("name", "source"), list(library()["sources"].items()))
+        yield "", _table(("name", "source"), list(library("grades")["sources"].items()))
 
 
 class GradePressures(Sections):

@@ -14,8 +14,9 @@ from woundon import kinds, plugins
 from woundon.problems.fields import Number
 from woundon.problems.paths import find_places
 from woundon.quantities import length, line_load, output
+from woundon.report.outputs_report import outputs_report
 from woundon.report.result_panels import PANELS
-from woundon.report.result_report import REPORTS
+from woundon.report.result_report import report_of
 
 OWN = {
     "nip": (wo.NipProblem, wo.NipResult),
@@ -68,7 +69,7 @@ def test_a_kind_is_its_problem_its_solver_and_its_result(name: str) -> None:
     kind, (problem, result) = kinds.named(name), OWN[name]
     assert (kind.name, kind.problem, kind.result) == (name, problem, result)
     assert kind.about.endswith(".")
-    assert name in REPORTS
+    assert report_of(kind) is not outputs_report
     assert name in PANELS
     assert callable(kind.check)
     option, value = WRONG[name]

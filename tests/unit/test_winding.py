@@ -59,6 +59,21 @@ def test_without_error_estimates_a_winding_is_the_same():
     assert run.residuals.largest < ACCEPTED_RESIDUAL
 
 
+@pytest.mark.filterwarnings("ignore::woundon.ResolutionWarning")
+def test_a_survey_takes_fewer_nips_and_keeps_its_tolerance():
+    """Within rtol of the winding with a fifth of it, over two pieces of the curve of tension."""
+    loads = wo.Profile(radius=[0.05, 0.08, 0.12], value=[3000.0, 2800.0, 1600.0])
+    problem = CASE.replace(roll_body="effective", nip_load=loads)
+    rough = {"nodes": 33, "rtol": 1e-2, "coupling_rtol": 1e-3}
+    survey, full = (wo.solve(problem, **rough, errors=errors) for errors in (False, True))
+    assert survey.nip_radius.size < full.nip_radius.size
+    assert survey.nips_solved < full.nips_solved
+    fine = wo.solve(problem, nodes=33, rtol=2e-3, coupling_rtol=1e-5, errors=False)
+    r = np.linspace(0.0525, 0.12, 200)  # above the piece on the core, which is less accurate
+    tension, expected = (np.interp(r, one.radius, one.wound_on_tension) for one in (survey, fine))
+    np.testing.assert_allclose(tension, expected, rtol=1e-2)
+
+
 def test_exponents_of_the_effective_pressure_are_those_of_solved_nips():
     """Central differences over 1 % of the same nip; one over 1 % upwards is off by their change."""
     run = wound("effective")
@@ -76,7 +91,7 @@ def test_exponents_of_the_effective_pressure_are_those_of_solved_nips():
 
 
 def test_a_piece_meets_polynomials_exactly_and_estimates_its_error():
-    piece = Piece(-3.0, 1.0)
+    piece = Piece(-3.0, 1.0, 7)
     values = {x: x**3 - 2 * x for x in piece.places}
     x = np.linspace(-3, 1, 101)
     np.testing.assert_allclose(piece.at(x, values), x**3 - 2 * x, atol=1e-11)

@@ -74,6 +74,8 @@ def main(args: Sequence[str] | None = None) -> int:
     atexit.register(gc.freeze)
     for name, value in environment().items():  # read by NumPy when it is imported
         os.environ.setdefault(name, value)
+    # pydantic would read the entry points of all installed packages for plug-ins of its own
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     if isinstance(sys.stdout, TextIOWrapper):  # as Python does for errors
         sys.stdout.reconfigure(errors="backslashreplace")
     code = INTERRUPTED

@@ -71,7 +71,6 @@ def solve(
 ) -> None:
     """Solve a case file and print the report."""
     from .. import kinds
-    from ..io.result_files import to_json
 
     given = {name: value for name, value in arguments.items() if value is not None}
     # wrap angles are fields of the case, so they are set like by --set; the others are the solver's
@@ -82,6 +81,8 @@ def solve(
     derivatives = result.sensitivity() if sensitivity else None
     written = options.write({save: result.save, plot: result.plot})
     if as_json:
+        from ..io.result_files import to_json
+
         click.echo(to_json(result, derivatives), nl=False)
     else:
         _print(result, derivatives)
@@ -161,12 +162,13 @@ def _check_options(kind: Kind[Any, Any], given: Iterable[str], sensitivity: bool
 def _solve(problem: Problem, arguments: Mapping[str, Any]) -> Any:
     """Solve, with a progress bar on a terminal if the solver reports its progress."""
     from .. import kinds
-    from ..studies.bars import fraction_bar
 
     reports = "progress" in inspect.signature(kinds.of(problem).solver).parameters
     with unwarned():  # the report contains the warnings
         if not (reports and sys.stderr.isatty()):
             return kinds.solve(problem, **arguments)
+        from ..studies.bars import fraction_bar
+
         with fraction_bar() as progress:
             return kinds.solve(problem, progress=progress, **arguments)
 

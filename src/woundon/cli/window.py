@@ -9,7 +9,6 @@ import click
 
 from ..errors import unwarned
 from ..io.files import write_whole
-from ..io.spreadsheets import in_csv_style
 from . import options
 
 __all__ = ["window"]
@@ -132,6 +131,8 @@ def window(
 
 def _csv_text(window: OperatingWindow) -> str:
     """Return the map as a table with units in its header."""
+    from ..io.spreadsheets import in_csv_style
+
     frame = window.to_dataframe()
     for name in window.names:
         unit, frame[name] = window.quantities[name].in_table(frame[name])

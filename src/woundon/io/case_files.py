@@ -21,8 +21,7 @@ from ..problems.grades import grade
 from ..problems.messages import check_names, quote
 from ..problems.paths import counterpart, parts_of, set_in_tables
 from ..problems.problem import Problem
-from .case_texts import SCHEMA, template, to_toml
-from .columns import FILE_KEYS, with_columns
+from .case_texts import FILE_KEYS, SCHEMA, template, to_toml
 from .files import read_whole
 
 __all__ = [
@@ -102,7 +101,11 @@ def read_case(path: str | Path) -> dict[str, Any]:
     """
     written = tables_of_text(read_whole(path, MAX_BYTES), str(path))
     folder = Path(path).parent
-    tables = with_columns(written, folder, lambda: _kind_of(written).problem)
+    tables = written
+    if _names_files(written):
+        from .columns import with_columns  # with the readers of all formats of tables
+
+        tables = with_columns(written, folder, lambda: _kind_of(written).problem)
     if "grades" not in tables:
         return tables
     file, name = tables.pop("grades"), tables.get("grade")
@@ -110,6 +113,15 @@ def read_case(path: str | Path) -> dict[str, Any]:
         text = f"{quote(file)} is out of place; must be the name of a file, with grade = 'NAME'"
         raise InvalidProblem.at("grades", text)
     return tables | {"grade": grade(name, folder / file)}
+
+
+def _names_files(part: Any) -> bool:
+    """Return whether a part of a case, or a table in it, names a file in place of its lists."""
+    if isinstance(part, list):
+        return any(map(_names_files, part))
+    if not isinstance(part, Mapping):
+        return False
+    return any(key in part for key in FILE_KEYS) or any(map(_names_files, part.values()))
 
 
 def tables_of_text(content: bytes, where: str) -> dict[str, Any]:

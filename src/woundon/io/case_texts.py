@@ -27,6 +27,7 @@ from ..quantities import Quantity, is_list, members_of, quantity_of
 from .files import write_whole
 
 __all__ = [
+    "FILE_KEYS",
     "SCHEMA",
     "field_comment",
     "field_ranges",
@@ -39,6 +40,7 @@ __all__ = [
 ]
 
 SCHEMA = 1
+FILE_KEYS = ("csv", "log")  # of a file in place of the lists of a table
 UNSET = "..."  # in place of the value of an optional field that is not set
 _TABLE, _TABLES = "a table of its fields", "tables of their fields"
 _NAME_OR_TABLE = f"a name ('woundon materials' lists them), or {_TABLE}"

@@ -25,16 +25,16 @@ from ..problems.paths import counterpart, find_places
 from ..problems.problem import Problem
 from ..problems.schedules import schedule_fields
 from ..quantities import Quantity, is_list, members_of
+from .case_texts import FILE_KEYS
 from .cells import Conversion, Fault, raise_faults, texts
 from .compression import read_compression_test, rising_means
 from .logs import MOST_BINS, read_binned
 from .sheets import read_sheet
 from .tables import Names, is_known_header, match_columns
 
-__all__ = ["FILE_KEYS", "read_columns", "with_columns"]
+__all__ = ["read_columns", "with_columns"]
 
 MAX_ROWS = 100_000
-FILE_KEYS = ("csv", "log")  # of a file in place of the lists of a table
 TEST_ARGUMENTS = ("area", "height", "offset", "preload", "branch")  # of a compression test
 
 

@@ -329,7 +329,7 @@ def grades(path: str | Path | None = None) -> Grades:
         If the file cannot be read, or a grade in it has an invalid value.
     """
     known_grades = Grades()
-    tables = [library()["grades"], *([] if path is None else [read_file(path)])]
+    tables = [library("grades")["grades"], *([] if path is None else [read_file(path)])]
     for known in tables:
         for name, table in known.items():
             known_grades[name] = _make_grade(name, table, known_grades, f"grades.{name}")
@@ -368,7 +368,7 @@ def grade(name: str | Grade | Mapping[str, Any], path: str | Path | None = None)
         return name
     if isinstance(name, Mapping):
         return _make_grade("own grade", table=name, known=grades(), where="grade")
-    tables = library()["grades"]
+    tables = library("grades")["grades"]
     if path is None and isinstance(name, str) and name in tables:
         # only this one, which is like no other grade of the package
         return _make_grade(name, tables[name], known=Grades(), where="grade")

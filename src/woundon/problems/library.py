@@ -1,4 +1,4 @@
-"""The data file of grades, drum covers and materials, and users' files of grades."""
+"""The data files of grades, and of drum covers and materials, and users' files of grades."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from ..errors import InvalidProblem, did_you_mean
 from .messages import check_names, quote
@@ -15,7 +15,6 @@ from .messages import check_names, quote
 __all__ = ["Entry", "entry_of", "library", "read_file", "relative_deviation"]
 
 LARGEST_FILE = 10_000_000  # bytes; far above any list of grades
-FILE = Path(__file__).with_name("grades.toml")
 
 
 class Entry(NamedTuple):
@@ -27,9 +26,13 @@ class Entry(NamedTuple):
 
 
 @cache
-def library() -> Mapping[str, Mapping[str, Any]]:
-    """Return the tables ``sources``, ``grades``, ``covers`` and ``materials`` of the data file."""
-    return tomllib.loads(FILE.read_text(encoding="utf-8"))
+def library(name: Literal["grades", "materials"]) -> Mapping[str, Mapping[str, Any]]:
+    """Return the tables of a data file.
+
+    Those of ``grades`` are ``sources`` and ``grades``, those of ``materials``, a small file that
+    every process reads, are ``covers`` and ``materials``.
+    """
+    return tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text(encoding="utf-8"))
 
 
 def read_file(path: str | Path) -> dict[str, Any]:

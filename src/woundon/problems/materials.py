@@ -371,8 +371,9 @@ class NamedMaterial(NamedTuple):
 
 def _library() -> dict[str, NamedMaterial]:
     """Return the named materials of the data file: those of the thesis, then covers of drums."""
-    materials = {name: _thesis_material(table) for name, table in library()["materials"].items()}
-    return materials | {name: _cover(table) for name, table in library()["covers"].items()}
+    tables = library("materials")
+    materials = {name: _thesis_material(table) for name, table in tables["materials"].items()}
+    return materials | {name: _cover(table) for name, table in tables["covers"].items()}
 
 
 def _thesis_material(table: Mapping[str, Any]) -> NamedMaterial:

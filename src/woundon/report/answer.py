@@ -17,10 +17,8 @@ from ..results import Result
 from ..roll.result import RollResult
 from ..winding.result import WindingResult
 from .contacts_report import contact_sentences
-from .margins_report import verdict_lines
 from .outputs_report import LEAST_FRICTION
 from .report_parts import Line, Section, output_row, quantity_of, value_row
-from .winder_report import drum_sentences
 
 __all__ = [
     "answer",
@@ -44,6 +42,9 @@ def answer_lines(result: Result, full: bool = True) -> list[Line]:
             lines += map(Line, _air(result))
         return [*lines, *map(Line, contact_sentences(result))] if full else lines
     if isinstance(result, WindingResult):
+        from .margins_report import verdict_lines
+        from .winder_report import drum_sentences
+
         names = [name for name in result.MAIN if name != "least_hoop_stress"]  # it is a margin
         further = map(Line, drum_sentences(result))
         return [*verdict_lines(result.margins), Line(_values(result, names)), *further]

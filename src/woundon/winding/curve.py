@@ -23,7 +23,7 @@ import numpy as np
 
 from ..problems.roll import FEWEST_LAYERS
 from ..problems.winding import LOADS, WindingProblem
-from .interpolation import MIN_POINTS, Piece
+from .interpolation import Piece
 
 __all__ = [
     "MAX_PIECES",
@@ -39,6 +39,9 @@ Array = np.ndarray
 NEAR_CORE = 0.05  # depth of the piece on the core, relative to the core radius
 AIR_FACTOR = 2.0  # largest thickness of ten layers with air, relative to the web alone
 MIN_PLACES_NEAR_CORE = 4  # initial number of places of the piece on the core
+# Initial number of places of the other pieces, and of a survey: places are added where polynomials
+# through three and four places differ too much from the next nip.
+MIN_PLACES, MIN_PLACES_SURVEY = 7, 5
 CORE_ERROR_FACTOR = 5  # accepted error of the piece on the core, in multiples of rtol
 MIN_DEPTH = 1.5  # minimum depth of the piece on the core, in multiples of ten layers
 # distance in x for the curvature at the first place, and step of the difference quotients
@@ -64,6 +67,8 @@ class TensionCurve:
     problem : WindingProblem
     rtol : float
         Accepted relative error of the tension.
+    survey : bool
+        True begins with fewer places, for windings whose errors are not estimated one by one.
 
     Attributes
     ----------
@@ -75,7 +80,7 @@ class TensionCurve:
         Number of intervals, uniform in x, of the reported tension.
     """
 
-    def __init__(self, problem: WindingProblem, rtol: float) -> None:
+    def __init__(self, problem: WindingProblem, rtol: float, survey: bool = False) -> None:
         self.problem, self.rtol = problem, rtol
         self.interval_count = ceil(INTERVALS / rtol**0.5)
         core, R = problem.ends
@@ -90,7 +95,8 @@ class TensionCurve:
         kinks = {r: all_kinks[r] for r in all_kinks if core + core_depth < r < R}
         cuts = sorted(sorted(kinks, key=kinks.__getitem__)[-MAX_PIECES + 1 :])
         ends = [float(np.log(r - core)) for r in (core + core_depth, *cuts, R)]
-        self.pieces = [Piece(a, b, MIN_POINTS) for a, b in pairwise(ends)]
+        count = MIN_PLACES_SURVEY if survey else MIN_PLACES
+        self.pieces = [Piece(a, b, count) for a, b in pairwise(ends)]
         if core_depth > MIN_DEPTH * self.min_depth:
             start = float(np.log(self.min_depth))
             self.pieces.insert(0, Piece(start, ends[0], MIN_PLACES_NEAR_CORE))

@@ -17,7 +17,6 @@ __all__ = ["Piece", "leja"]
 
 Array = np.ndarray
 GRID = 4001
-MIN_POINTS = 7  # points of a piece
 TESTS = 2  # number of last points that give the error estimate
 UNTESTED = 3  # first points, for which a polynomial of low order gives no estimate
 
@@ -42,7 +41,7 @@ class Piece:
     start, end : float
         The interval.
     count : int
-        Initial number of points.
+        Initial number of points, at least two.
 
     Attributes
     ----------
@@ -50,7 +49,7 @@ class Piece:
         Coordinates of the interpolation points, in the order of the Leja points.
     """
 
-    def __init__(self, start: float, end: float, count: int = MIN_POINTS) -> None:
+    def __init__(self, start: float, end: float, count: int) -> None:
         self.start, self.end = start, end
         self.places = [start, end, *(start + t * (end - start) for t in leja(count)[2:])]
 

@@ -52,6 +52,7 @@ Array = np.ndarray
 Progress = Callable[[float], None]
 
 RTOL, NODES = 1e-3, 65
+SURVEY = 1e-2  # rtol from which on a winding without error estimates begins with fewer nips
 # Tolerance of the nip-roll iteration with the default ``rtol``.  It increases in proportion to a
 # larger ``rtol``: the stages of the roll follow ``rtol``, and another stage changes the tension.
 COUPLING_RTOL = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
@@ -65,8 +66,8 @@ MAX_UNREFINED_ITERATIONS = 10
 FIRST_GAIN, LEAST_GAIN, EXPECTED_NIPS = 0.2, 0.05, 16
 OF_ITERATIONS, OF_MEASURED = 0.95, 0.75
 ROUGH_CHANGE = 0.03  # relative change of the tension above which lower accuracies are used
-# Relative change below which radii may be added.  With larger changes the choice of the radii would
-# depend on the initial guess.
+# Relative change below which radii may be added, or rtol if that is larger.  With larger changes
+# the choice of the radii would depend on the initial guess.
 REFINEMENT_CHANGE = {"effective": 5e-3, "linear": 1.0, "direct": 1e-3}
 # Iterations with extrapolated nips: the most, and the relative difference of the tension at which
 # they end: while the nips are coarse, and before the nips are solved on the next roll in units of
@@ -125,7 +126,8 @@ def solve_winding(
         A neighbouring case whose tension and nips are the initial guess.  It does not change the
         result beyond the tolerances.
     errors : bool
-        False omits the error estimates of the nips and what follows from them, a fifth of the time.
+        False omits the error estimates of the nips and what follows from them, a fifth of the time,
+        and with rtol >= 1e-2 begins the interpolation between the nips with fewer of them.
     progress : callable, optional
         Called with the estimated fraction of the work that is done.
 
@@ -245,7 +247,7 @@ class _Winder:
         self.problem, self.rtol, self.nodes, self.errors = problem, rtol, nodes, errors
         self.coupling_rtol = coupling_rtol
         self.start, self.progress = start, progress
-        self.curve = TensionCurve(problem, rtol)
+        self.curve = TensionCurve(problem, rtol, survey=not errors and rtol >= SURVEY)
         self.nips = Nips(
             problem,
             nodes,
@@ -283,7 +285,7 @@ class _Winder:
             stages = previous if self._extrapolates else None
             iteration = self._iterate(shares, self._nip_share, stages)
             is_close = (
-                iteration.change <= REFINEMENT_CHANGE[self.problem.roll_body]
+                iteration.change <= max(REFINEMENT_CHANGE[self.problem.roll_body], self.rtol)
                 or number >= MAX_UNREFINED_ITERATIONS
             )
             may_refine = is_close and not self.nips.coarse

@@ -11,6 +11,7 @@ const UNIT = 22; // height of the unit above the scale of the colours
 const BELOW = 34;
 const DASHES = { solid: [], dashed: [7, 4], dashdot: [8, 3, 2, 3], dotted: [2, 3] };
 const SEQUENTIAL = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+const SHADES = 256; // of a map
 const DIVERGING = [[33, 102, 172], [146, 197, 222], [247, 247, 247], [244, 165, 130], [178, 24, 43]];
 
 /** Whether a panel is drawn here, and not as curves over x. */
@@ -140,13 +141,23 @@ function contour({ x, y, values }, level, draw) {
   }
 }
 
+/** Draw the cells of a map: neighbours of the same shade as one, for each move of a slider draws it again. */
 function drawMap(pen, { map, scale }, x, y) {
   const middles = (of, values) => values.map((value, k) => (k ? (of(values[k - 1]) + of(value)) / 2 : of(value))).concat(of(values.at(-1)));
   const [edges, rows] = [middles(x, map.x), middles(y, map.y)];
-  map.values.forEach((row, j) => row.forEach((value, i) => {
-    pen.ctx.fillStyle = `rgb(${colourAt(value, scale)})`;
-    pen.ctx.fillRect(edges[i], rows[j], edges[i + 1] - edges[i] + 0.5, rows[j + 1] - rows[j] + 0.5);
-  }));
+  const [low, high] = scale.axis.limits;
+  const shades = Array.from({ length: SHADES }, (_, k) => `rgb(${colourAt(low + (high - low) * k / (SHADES - 1), scale)})`);
+  const shadeOf = (value) => Math.round(Math.min(Math.max((value - low) / (high - low), 0), 1) * (SHADES - 1));
+  map.values.forEach((row, j) => {
+    const of = row.map(shadeOf);
+    let first = 0; // of the cells of the same shade
+    for (let i = 1; i <= row.length; i++) {
+      if (of[i] === of[first]) continue;
+      pen.ctx.fillStyle = shades[of[first]];
+      pen.ctx.fillRect(edges[first], rows[j], edges[i] - edges[first] + 0.5, rows[j + 1] - rows[j] + 0.5);
+      first = i;
+    }
+  });
 }
 
 function drawAxes(pen, panel, axes, units, right, bottom) {
@@ -199,8 +210,10 @@ function drawPlane(pen, cases, units, width, height) {
 export function Plane({ title, cases, units, height, theme, description }) {
   const place = useRef(null);
   const { panel } = cases[0];
+  const drawn = useRef(0); // width of the picture
   const draw = () => {
     const width = place.current?.parentElement.clientWidth;
+    drawn.current = width;
     if (!width || panel.note) return;
     const pen = new Pen(place.current, width, height + 40);
     if (panel.discs.length) drawDiscs(pen, panel, units, width, height + 40);
@@ -209,10 +222,16 @@ export function Plane({ title, cases, units, height, theme, description }) {
   };
   useLayoutEffect(() => {
     draw();
-    const watch = new ResizeObserver(draw);
-    watch.observe(place.current.parentElement);
+    const around = place.current.parentElement;
+    const watch = new ResizeObserver(() => { if (around.clientWidth !== drawn.current) draw(); }); // it is called at once, too
+    watch.observe(around);
     return () => watch.disconnect();
-  }, [cases, units, theme]);
+  }, [cases, units]);
+  const painted = useRef(theme);
+  useEffect(() => { // by now the page has forgotten the colours of the theme before
+    if (painted.current !== theme) draw();
+    painted.current = theme;
+  }, [theme]);
   const several = cases.length > 1;
   return html`<figure class="panel" data-panel=${panel.name}><figcaption><h3>${title}</h3><div class="legend">
       ${linesOf(cases).filter(({ curve }) => curve.in_legend).map(({ one, curve }) => html`<span class="entry"><${Swatch} curve=${curve} colour=${one.colour} />
