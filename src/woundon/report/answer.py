@@ -45,6 +45,8 @@ def answer_lines(result: Result, full: bool = True) -> list[Line]:
         return [*lines, *map(Line, contact_sentences(result))] if full else lines
     if isinstance(result, WindingResult):
         names = [name for name in result.MAIN if name != "least_hoop_stress"]  # it is a margin
+        if result.problem.core_removed:
+            names = ["mean_wound_on_tension", *OFF_CORE]
         further = map(Line, drum_sentences(result))
         return [*verdict_lines(result.margins), Line(_values(result, names)), *further]
     main = main_outputs(result)

@@ -17,7 +17,7 @@ from ..results import Residuals, Result
 from .certificate import certificate
 from .collapse import collapse_loads
 from .density import density_during_winding, finished_density, volume, wound_length
-from .finished import FinalChanges, core_gap
+from .finished import core_gap
 from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .growth import Growth
 from .lane_roll import LANES, LaneRoll, WithLanes, build_up_of, solve_lanes
@@ -158,7 +158,7 @@ class RollResult(WithLanes, Result):
     @property
     def is_changed(self) -> bool:
         """True if the finished roll differs from the roll as wound."""
-        return self.problem.core_removed or bool(FinalChanges(self.problem))
+        return self.problem.is_changed
 
     @cached_property
     def as_wound(self) -> Stage:

@@ -344,7 +344,9 @@ class NipsOfWinding:
             A solution for a warm start.
         """
         problem, solve = self.problem, partial(self._solve, radius, friction, fractions)
-        stage = None if problem.roll_body == "linear" else stages_at(self.roll, [radius])[0]
+        stage = None
+        if problem.roll_body != "linear":
+            stage = stages_at(self.roll, [radius], as_wound=True)[0]
         with_air = problem.replace(stack=self.roll.problem.stack)
         try:
             return solved_nip(with_air, radius, stage, None, last, solve, PRESSURE_TOLERANCE)

@@ -281,6 +281,48 @@ class WindingResult(WithMargins, WithLanes, Result):
         return self.roll.least_hoop_stress
 
     @property
+    def bore_hoop_stress(
+        self,
+    ) -> Annotated[float, stress("sigma_b", "hoop (MD) stress at the bore, > 0: tension")]:
+        """sigma_t of the innermost layer of the finished roll [Pa]."""
+        return self.roll.bore_hoop_stress
+
+    @property
+    def bore_displacement(
+        self,
+    ) -> Annotated[float, length("u_b", "change of the radius of the bore since winding", "um")]:
+        """Outward displacement of the innermost layer since it was wound [m]."""
+        return self.roll.bore_displacement
+
+    @property
+    def core_gap(
+        self,
+    ) -> Annotated[float, length("g_c", "gap between the core and the roll", "um")]:
+        """Radial gap between core and roll, zero if they touch [m]; nan if the core is removed."""
+        return self.roll.core_gap
+
+    @property
+    def separation_radius(
+        self,
+    ) -> Annotated[float, length("r_s", "outer radius of the open layers")]:
+        """Largest radius at which the layers have separated [m]; nan if none have."""
+        return self.roll.separation_radius
+
+    @property
+    def sliding_collapse_load(
+        self,
+    ) -> Annotated[float, pure("c_s", "pressure on the inner layers / buckling, free sliding")]:
+        """Pressure on the inner layers over their buckling pressure [1]; see the roll's."""
+        return self.roll.sliding_collapse_load
+
+    @property
+    def bonded_collapse_load(
+        self,
+    ) -> Annotated[float, pure("c_b", "pressure on the inner layers / buckling, bonded layers")]:
+        """Pressure on the inner layers over their buckling pressure [1]; see the roll's."""
+        return self.roll.bonded_collapse_load
+
+    @property
     def length(
         self,
     ) -> Annotated[float, length("L", "length of web, counted in layers without pressure", "m")]:

@@ -1,0 +1,184 @@
+"""Changes of a roll after winding: temperature, moisture, shrinkage and removal of its core.
+
+Rolls and windings have the same fields.  :mod:`woundon.roll.finished` contains the equations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+from pydantic import Field
+
+from ..errors import one_of
+from ..quantities import Quantity, pure, share, strain
+from .fields import Flag, Number
+from .messages import quote
+from .problem import Problem
+from .schedules import Curve, Schedule, misfits_on_roll, values_of
+
+__all__ = [
+    "FREE_STRAINS",
+    "OF_FINISHED_ROLL",
+    "UNCHANGED",
+    "CoreExpansion",
+    "CoreRemoved",
+    "CoreShrinkage",
+    "CoreSwelling",
+    "FinishedRollProblem",
+    "FreeStrain",
+    "MoistureChange",
+    "RadialExpansion",
+    "RadialSwelling",
+    "TangentialExpansion",
+    "TangentialSwelling",
+    "TemperatureChange",
+]
+
+OF_CORE = "core_shrinkage", "core_expansion", "core_swelling"
+PER_KELVIN = 1e-2  # larger than the thermal expansion of any solid
+
+# Changes of the finished roll by free strains: the largest size of each, and the fields with its
+# coefficients along the web, through the stack and of the core.
+FREE_STRAINS: Mapping[str, tuple[float, tuple[str, str, str]]] = {
+    "temperature_change": (
+        1000.0,
+        ("tangential_expansion", "radial_expansion", "core_expansion"),
+    ),
+    "moisture_change": (1.0, ("tangential_swelling", "radial_swelling", "core_swelling")),
+}
+# All fields of the changes.
+OF_FINISHED_ROLL = (
+    *(name for change, (_, of_change) in FREE_STRAINS.items() for name in (change, *of_change)),
+    "core_shrinkage",
+    "core_removed",
+)
+
+
+# The changes of a roll as wound: none.
+UNCHANGED: Mapping[str, Any] = {
+    **dict.fromkeys(FREE_STRAINS, 0.0),
+    "core_shrinkage": 0.0,
+    "core_removed": False,
+}
+
+
+def _expansion(symbol: str, meaning: str) -> Quantity:
+    return Quantity(symbol, "1/K", meaning)
+
+
+def _swelling(symbol: str, meaning: str) -> Quantity:
+    return pure(symbol, f"{meaning}, strain by a moisture content of 1")
+
+
+_Expansion = Field(ge=-PER_KELVIN, le=PER_KELVIN)
+_Swelling = Field(ge=-10, le=10)
+# Types of the fields.
+TemperatureChange = Annotated[
+    Schedule, Quantity("dT", "K", "temperature change of the finished roll", typical=(-40, 40))
+]
+TangentialExpansion = Annotated[
+    Number, _expansion("alpha_t", "thermal expansion along the web"), _Expansion
+]
+RadialExpansion = Annotated[
+    Number, _expansion("alpha_r", "thermal expansion through the stack"), _Expansion
+]
+CoreExpansion = Annotated[
+    Number, _expansion("alpha_c", "thermal expansion of the core"), _Expansion
+]
+MoistureChange = Annotated[
+    Schedule, share("dm", "change of the moisture content of the finished roll")
+]
+TangentialSwelling = Annotated[Number, _swelling("beta_t", "swelling along the web"), _Swelling]
+RadialSwelling = Annotated[Number, _swelling("beta_r", "swelling through the stack"), _Swelling]
+CoreSwelling = Annotated[Number, _swelling("beta_c", "swelling of the core"), _Swelling]
+CoreShrinkage = Annotated[
+    Number, strain("e_c", "shrinkage of the core in the finished roll"), Field(ge=-0.1, le=0.1)
+]
+CoreRemoved = Annotated[Flag, Field(description="the core or mandrel is removed after winding")]
+
+
+class FreeStrain(NamedTuple):
+    """A change of the finished roll over the radius, and the strains by it without stress.
+
+    Attributes
+    ----------
+    change : Curve
+        Of the temperature [K] or of the moisture content [1].
+    along, through, core : float
+        Strains along the web, through the stack and of the core by a change of 1.
+    """
+
+    change: Curve
+    along: float
+    through: float
+    core: float
+
+
+class FinishedRollProblem(Problem):
+    """Base class of the problems of a roll that changes after winding.
+
+    A subclass has all fields of OF_FINISHED_ROLL, ``core`` and ``radius``.
+    """
+
+    if TYPE_CHECKING:
+        core: Any
+        radius: Any
+        core_shrinkage: Any
+        core_removed: Any
+
+    def _faults_of_changes(self) -> Iterator[tuple[str, str]]:
+        """Yield (field, message) for changes out of range, or that do not reach the roll's ends."""
+        ends = self.core.radius, self.radius
+        for name, (largest, _) in FREE_STRAINS.items():
+            schedule, unit = getattr(self, name), "[K]" if name == "temperature_change" else "[1]"
+            for part, value in values_of(schedule).items():
+                if not abs(value) <= largest:
+                    text = f"must be >= {-largest:g} and <= {largest:g} {unit}"
+                    yield f"{name}{part}", f"{quote(value)} is out of range; {text}"
+            yield from misfits_on_roll(name, schedule, *ends)
+
+    @property
+    def free_strains(self) -> tuple[FreeStrain, ...]:
+        """The changes of the finished roll that strain it without stress."""
+        return tuple(
+            FreeStrain(
+                Curve(getattr(self, name), self.core.radius, self.radius),
+                *(getattr(self, coefficient) for coefficient in coefficients),
+            )
+            for name, (_, coefficients) in FREE_STRAINS.items()
+        )
+
+    @property
+    def is_changed(self) -> bool:
+        """True if the finished roll differs from the roll as wound."""
+        strained = any(getattr(self, c) != 0 and self._strains_by(c) for c in FREE_STRAINS)
+        return bool(strained or self.core_shrinkage or self.core_removed)
+
+    @property
+    def _unused_changes(self) -> tuple[str, ...]:
+        """Changes and coefficients on which nothing depends in this case."""
+        without_effect: list[str] = []
+        for change, (_, coefficients) in FREE_STRAINS.items():
+            if getattr(self, change) == 0:
+                without_effect += coefficients
+            if not self._strains_by(change):
+                without_effect.append(change)
+        return (*without_effect, *(OF_CORE if self.core_removed else ()))
+
+    def _warnings_of_changes(self) -> Iterator[str]:
+        """Yield warnings about changes of the finished roll that change nothing."""
+        for change, (_, coefficients) in FREE_STRAINS.items():
+            if getattr(self, change) != 0 and not self._strains_by(change):
+                zero = coefficients[:2] if self.core_removed else coefficients
+                yield f"{change} is not used, as {one_of(zero, 'and')} are 0"
+        if self.core_removed:
+            for name in OF_CORE:
+                if getattr(self, name):
+                    yield f"{name} is not used, as core_removed = true"
+
+    def _strains_by(self, change: str) -> bool:
+        """Return True if layers or core are strained by a change of temperature or moisture."""
+        _, (along, through, core) = FREE_STRAINS[change]
+        parts = along, through, *(() if self.core_removed else (core,))
+        return any(getattr(self, name) for name in parts)
