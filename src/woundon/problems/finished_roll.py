@@ -5,20 +5,30 @@ Rolls and windings have the same fields.  :mod:`woundon.roll.finished` contains 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from pydantic import Field
 
 from ..errors import one_of
-from ..quantities import Quantity, pure, share, strain
+from ..quantities import Quantity, share, strain
 from .fields import Flag, Number
+from .free_strains import (
+    ALONG_EXPANSION,
+    ALONG_SWELLING,
+    EXPANSION_RANGE,
+    FREE_STRAINS,
+    SWELLING_RANGE,
+    THROUGH_EXPANSION,
+    THROUGH_SWELLING,
+    expansion,
+    swelling,
+)
 from .messages import quote
 from .problem import Problem
 from .schedules import Curve, Schedule, misfits_on_roll, values_of
 
 __all__ = [
-    "FREE_STRAINS",
     "OF_FINISHED_ROLL",
     "UNCHANGED",
     "CoreExpansion",
@@ -36,62 +46,31 @@ __all__ = [
 ]
 
 OF_CORE = "core_shrinkage", "core_expansion", "core_swelling"
-PER_KELVIN = 1e-2  # larger than the thermal expansion of any solid
-
-# Changes of the finished roll by free strains: the largest size of each, and the fields with its
-# coefficients along the web, through the stack and of the core.
-FREE_STRAINS: Mapping[str, tuple[float, tuple[str, str, str]]] = {
-    "temperature_change": (
-        1000.0,
-        ("tangential_expansion", "radial_expansion", "core_expansion"),
-    ),
-    "moisture_change": (1.0, ("tangential_swelling", "radial_swelling", "core_swelling")),
-}
 # All fields of the changes.
 OF_FINISHED_ROLL = (
     *(name for change, (_, of_change) in FREE_STRAINS.items() for name in (change, *of_change)),
     "core_shrinkage",
     "core_removed",
 )
-
-
 # The changes of a roll as wound: none.
 UNCHANGED: Mapping[str, Any] = {
     **dict.fromkeys(FREE_STRAINS, 0.0),
     "core_shrinkage": 0.0,
     "core_removed": False,
 }
-
-
-def _expansion(symbol: str, meaning: str) -> Quantity:
-    return Quantity(symbol, "1/K", meaning)
-
-
-def _swelling(symbol: str, meaning: str) -> Quantity:
-    return pure(symbol, f"{meaning}, strain by a moisture content of 1")
-
-
-_Expansion = Field(ge=-PER_KELVIN, le=PER_KELVIN)
-_Swelling = Field(ge=-10, le=10)
 # Types of the fields.
 TemperatureChange = Annotated[
     Schedule, Quantity("dT", "K", "temperature change of the finished roll", typical=(-40, 40))
 ]
-TangentialExpansion = Annotated[
-    Number, _expansion("alpha_t", "thermal expansion along the web"), _Expansion
-]
-RadialExpansion = Annotated[
-    Number, _expansion("alpha_r", "thermal expansion through the stack"), _Expansion
-]
-CoreExpansion = Annotated[
-    Number, _expansion("alpha_c", "thermal expansion of the core"), _Expansion
-]
+TangentialExpansion = Annotated[Number, ALONG_EXPANSION, EXPANSION_RANGE]
+RadialExpansion = Annotated[Number, THROUGH_EXPANSION, EXPANSION_RANGE]
+CoreExpansion = Annotated[Number, expansion("alpha_c", "of the core"), EXPANSION_RANGE]
 MoistureChange = Annotated[
     Schedule, share("dm", "change of the moisture content of the finished roll")
 ]
-TangentialSwelling = Annotated[Number, _swelling("beta_t", "swelling along the web"), _Swelling]
-RadialSwelling = Annotated[Number, _swelling("beta_r", "swelling through the stack"), _Swelling]
-CoreSwelling = Annotated[Number, _swelling("beta_c", "swelling of the core"), _Swelling]
+TangentialSwelling = Annotated[Number, ALONG_SWELLING, SWELLING_RANGE]
+RadialSwelling = Annotated[Number, THROUGH_SWELLING, SWELLING_RANGE]
+CoreSwelling = Annotated[Number, swelling("beta_c", "of the core"), SWELLING_RANGE]
 CoreShrinkage = Annotated[
     Number, strain("e_c", "shrinkage of the core in the finished roll"), Field(ge=-0.1, le=0.1)
 ]
@@ -167,15 +146,24 @@ class FinishedRollProblem(Problem):
         return (*without_effect, *(OF_CORE if self.core_removed else ()))
 
     def _warnings_of_changes(self) -> Iterator[str]:
-        """Yield warnings about changes of the finished roll that change nothing."""
+        """Yield warnings about changes without effect, and about coefficients of no grade."""
         for change, (_, coefficients) in FREE_STRAINS.items():
             if getattr(self, change) != 0 and not self._strains_by(change):
                 zero = coefficients[:2] if self.core_removed else coefficients
                 yield f"{change} is not used, as {one_of(zero, 'and')} are 0"
+            elif getattr(self, change) != 0:
+                yield from self._unknown_coefficients(coefficients[:2])
         if self.core_removed:
             for name in OF_CORE:
                 if getattr(self, name):
                     yield f"{name} is not used, as core_removed = true"
+
+    def _unknown_coefficients(self, coefficients: Sequence[str]) -> Iterator[str]:
+        """Yield a warning for each coefficient that is 0 as the grade has no value for it."""
+        grade = self.named_grade
+        for name in coefficients:
+            if grade is not None and getattr(grade, name) is None and getattr(self, name) == 0:
+                yield f"{name} = 0: the grade {grade.name!r} has no value for it"
 
     def _strains_by(self, change: str) -> bool:
         """Return True if layers or core are strained by a change of temperature or moisture."""

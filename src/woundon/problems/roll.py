@@ -28,6 +28,7 @@ from .finished_roll import (
     TangentialSwelling,
     TemperatureChange,
 )
+from .free_strains import OF_WEB
 from .materials import Isotropic, OptionalMaterial
 from .messages import quote
 from .permitted import Conditional, is_within
@@ -211,7 +212,7 @@ class RollProblem(FinishedRollProblem):
     True
     """
 
-    graded: ClassVar[tuple[str, ...]] = ("stack", "web_thickness", "density")
+    graded: ClassVar[tuple[str, ...]] = ("stack", "web_thickness", "density", *OF_WEB)
     counterparts: ClassVar[Mapping[str, str]] = {
         "web": "give web_thickness and stack",
         "roll": "give core, radius and stack",

@@ -33,6 +33,7 @@ from .finished_roll import (
     TangentialSwelling,
     TemperatureChange,
 )
+from .free_strains import OF_WEB
 from .inertia import Inertia
 from .limits import Limits
 from .materials import Material, material
@@ -231,6 +232,7 @@ class WindingProblem(FinishedRollProblem):
         "drum_friction",
         "density",
         "limits",
+        *OF_WEB,
     )
     counterparts: ClassVar[Mapping[str, str]] = {
         "roll": "give core, radius and stack",

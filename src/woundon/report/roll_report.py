@@ -8,7 +8,8 @@ from math import isnan
 import numpy as np
 
 from ..errors import InvalidProblem
-from ..problems.finished_roll import FREE_STRAINS, FinishedRollProblem
+from ..problems.finished_roll import FinishedRollProblem
+from ..problems.free_strains import FREE_STRAINS
 from ..problems.radial_laws import Pfeiffer
 from ..quantities import in_chosen_units, length, line_load, strain, stress, value_of
 from ..roll.gauge_band import gauge_band_over

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arguments import check_type, whole_number
 from ..errors import InvalidProblem
-from ..problems.finished_roll import FREE_STRAINS
+from ..problems.free_strains import FREE_STRAINS
 from ..problems.radial_laws import Constant
 from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
