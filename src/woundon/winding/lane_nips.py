@@ -253,12 +253,13 @@ class NipsOfWinding:
         places = np.log(radii - self.core)
         x = np.clip(np.log(max(radius - self.core, 1e-12)), places[0], places[-1])
         count = len(self._sampled)
+        fade = self._fade(radius, added)
         loads = self.nip_loads(np.array([radius]))[:, 0].tolist()
         nips = []
         for k, load in enumerate(loads):
             own = np.array([np.interp(x, places, column) for column in values[:, k].T])
             force = float(np.interp(x, places, friction)) * load
-            change, whole = own[1 + count :], added if k == 0 else 0.0
+            change, whole = fade * own[1 + count :], added if k == 0 else 0.0
             # one nip adds nothing without load; the others of several add more without this one
             unloaded = -added / force if len(loads) == 1 else change[0]
             nips.append(
@@ -273,6 +274,30 @@ class NipsOfWinding:
                 )
             )
         return nips
+
+    def _fade(self, radius: float, added: float) -> float:
+        """Return the factor of the changes of A between the core and the first solved nip [1].
+
+        On the first layers the nips add less, and nothing on the core of a roll without layers.
+        The changes by another load decrease like A_N itself, so that A is 0 without load and does
+        not overshoot between.
+
+        Parameters
+        ----------
+        radius : float
+            [m].
+        added : float
+            A_N at this radius [N/m].
+        """
+        first = float(self.result.nip_radius[0])
+        if radius >= first:
+            return 1.0
+        loads = [
+            np.interp(first, self.result.radius, each)
+            for each in (self.result.wound_on_tension, self.result.web_tension)
+        ]
+        at_first = float(loads[0] - loads[1])
+        return float(np.clip(added / at_first, 0.0, 1.0)) if at_first else 1.0
 
     def _samples(self) -> tuple[Array, Array, Array]:
         """Return the nips solved under further loads at a few radii.
