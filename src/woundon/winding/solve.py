@@ -166,6 +166,7 @@ def solve_winding(
             lane_roll=lane_roll,
             lane_count=lanes,
             errors={**result.errors, **lane_roll.errors},
+            warnings=(*result.warnings, *lane_roll.warnings),
         )
     if progress is not None:
         progress(1.0)
