@@ -15,6 +15,7 @@ revision than 0.2 uses the packages of this environment.
     plain ... hardening   a solution with the default options (random_nips.py)
     two_nips, three_nips  the same, with --alone: earlier revisions have no further nips; wrapped
                           has the same nips without them
+    carter                the example of two rollers
     readme                the wrapped nip of the README, radii up to 0.1 % apart
     neighbours            three wrapped nips, each with start= the one before, 1 to 5 % apart
     sensitivities         derivatives of a plain nip with respect to all inputs
@@ -79,6 +80,7 @@ SLOW = {
     "scheduled_winding": 3,
     "one_drum_winding": 1,
     "two_drum_winding": 1,
+    "carter": 20,
     "readme": 20,
     "loose": 20,
     "two_processes": 3,
@@ -147,6 +149,8 @@ def draw(name: str, seed: int) -> Problems:
         return [random_nip(seed)]
     if name in FAMILIES:
         return [FAMILIES[name](seed)]
+    if name == "carter":
+        return [wo.RollerProblem.example()]
     change = np.random.default_rng(seed).uniform(-1, 1)
     if not name.endswith(("winding", "window", "roll")):
         nip = wo.NipProblem.example()
@@ -294,7 +298,7 @@ METHODS: dict[str, Callable[[Problems], Callable[[], object]]] = {
     "command": run_command,
 }
 WORK = [
-    *FAMILIES, "readme", "neighbours", "sensitivities", "nip_and_derivatives", "winding",
+    *FAMILIES, "carter", "readme", "neighbours", "sensitivities", "nip_and_derivatives", "winding",
     "example_winding", "scheduled_winding", "one_drum_winding", "two_drum_winding", "roll",
     "lanes_of_roll", "lanes_of_winding", "loose", "sweep", "two_processes", "replace", "fit",
     "find", "window", "scheduled_window", "command",

@@ -245,13 +245,15 @@ def test_the_command_prints_the_laws_and_the_table_of_a_case(tmp_path: Path, cap
     assert record["laws"][0]["values"]["K1"] == pytest.approx(10e3, rel=1e-3)
 
 
-def test_a_case_file_takes_a_law_from_load_and_deflection(tmp_path: Path):
+@pytest.mark.parametrize("preload", ["", "preload = 0\n"])
+def test_a_case_file_takes_a_law_from_load_and_deflection(tmp_path: Path, preload: str):
     pandas.DataFrame(machine(unload=True)).to_csv(tmp_path / "test.csv", index=False)
     case = (
         'schema = 1\nradius = 0.5\nweb_thickness = "66 um"\nwound_on_tension = "400 N/m"\n'
         "core = {radius = 0.05, stiffness = 1e9}\n"
         '[stack]\ntangential = "3.38 GPa"\npoissons_ratio = 0.01\nshear = "10 MPa"\n'
         '[stack.radial]\ncsv = "test.csv"\narea = "100 cm^2"\nheight = "20 mm"\n'
+        f"{preload}"
     )
     (tmp_path / "case.toml").write_text(case, encoding="utf-8")
     with pytest.warns(InputWarning, match="not used: unloading in rows 301 to 600"):

@@ -167,7 +167,9 @@ class Pool:
         call : callable
             Is pickled, as are its arguments and its result.
         key : hashable, optional
-            Of requests with the same key the newest wins.
+            Of requests with the same key the newest wins: an older one that waits is rejected, one
+            in progress may go on for GRACE seconds, because a slow machine would otherwise finish
+            none of a quick sequence.
         session : hashable, optional
             The worker of this session's last request is preferred if it is idle.
         rank : int
@@ -179,7 +181,7 @@ class Pool:
             If the request is invalid, superseded, too slow, or its worker died.
         """
         loop = asyncio.get_running_loop()
-        if older := self._newest.get(key):  # none of the key None
+        if older := self._newest.get(key):  # requests without a key are not in it
             superseded = RequestError(409, "superseded", SUPERSEDED)
             if older in self._waiting:
                 self._end(older, superseded)
@@ -201,10 +203,15 @@ class Pool:
             timer.cancel()
             if self._newest.get(key) is request:
                 del self._newest[key]
-            self._end(request)  # if the client has disconnected
+            # asyncio cancels this coroutine if the client disconnects: then nobody needs the answer
+            self._end(request)
 
     def _assign(self) -> None:
-        """Assign waiting requests to idle workers, one at a time of each key."""
+        """Assign waiting requests to idle workers, in order, one at a time of each key.
+
+        An idle worker that served the session of a request last is preferred, because its caches
+        hold the results of this session; otherwise the one that has been idle longest is used.
+        """
         active = {slot.request.key for slot in self._slots if slot.request and not slot.is_stopping}
         for request in tuple(self._waiting):
             if not self._idle:
@@ -221,7 +228,7 @@ class Pool:
 
     async def _serve(self, slot: _Slot, request: _Request) -> None:
         """Let a worker work at a request, and set its answer."""
-        answer, memory = await slot.exchange(request.call, *request.args)
+        answer, memory = await slot.exchange(request.call, *request.args)  # 0 bytes if it died
         slot.request, slot.is_stopping = None, False
         if not request.answer.done():
             if isinstance(answer, RequestError):
@@ -230,7 +237,7 @@ class Pool:
                 request.answer.set_result(answer)
         if 0 < memory <= RELEASE:
             self._set_idle(slot)
-        else:  # it died, or holds memory that the allocator and caches keep while it runs
+        else:  # it died, or holds much memory, of caches and the allocator, until its process ends
             await asyncio.to_thread(slot.worker.kill)
             await self._start_worker(slot)
 
@@ -245,7 +252,10 @@ class Pool:
         self._assign()
 
     def _end(self, request: _Request, error: RequestError | None = None) -> None:
-        """Reject a request, if there is an error, and stop the work at it."""
+        """Remove a request: stop the work at it, and reject it if there is an error.
+
+        The worker is asked to stop, and killed if it still works after PATIENCE seconds.
+        """
         if error is not None and not request.answer.done():
             request.answer.set_exception(error)
         if request in self._waiting:

@@ -285,12 +285,15 @@ class HarmonicSums:
     def __call__(self, t: Array) -> Array:
         """Return the smooth parts at arc lengths |t| <= max_distance [m], (sums, *t.shape).
 
-        The quintics are evaluated at |t|; odd sums are multiplied by the sign of t.
+        They are bounded (:meth:`HarmonicSum.kernel`): the quintics of the table, and the terms
+        theta^(j-1) ln(theta), which are not tabulated as their derivatives are unbounded.  Both are
+        evaluated at |t|; odd sums are multiplied by the sign of t.
         """
         t = np.asarray(t, dtype=float)
         flat = t.ravel()
         theta = np.abs(flat) * (1 / self.sums[0].radius)
         x = theta * (self._size / (2 * pi))  # in steps of the table
+        # a contact of small angles needs the first steps only, which are tabulated faster alone
         is_short = x.max(initial=0.0) < SHORT_TABLE and self._size <= MAX_DIRECT_SIZE
         coefficients = self._short_quintics if is_short else self._all_quintics
         i = x.astype(np.intp)
@@ -320,7 +323,7 @@ class HarmonicSums:
         powers[0] = square
         for k in range(1, len(powers)):
             np.multiply(powers[k - 1], square, out=powers[k])
-        positive = np.maximum(theta, 1e-150)
+        positive = np.maximum(theta, 1e-150)  # the terms vanish at theta = 0
         logarithm = np.log(positive)
         terms: Array = self._log_coefficients @ powers
         over_theta = logarithm / positive
@@ -364,6 +367,7 @@ class HarmonicSums:
         """Sum r_n trig(n theta) and its first two derivatives, (3, sums, angles)."""
         spectrum = np.array([sum_.spectrum for sum_ in self.sums])
         n = 1j * np.arange(1, spectrum.shape[-1] + 1)
+        # f = Re(2 sum_n spectrum_n exp(i n theta)); a derivative multiplies the terms by i n
         if angles == SHORT_TABLE + 1:  # the short table: direct summation
             derivatives = np.array([spectrum, spectrum * n, spectrum * (n * n)])
             parts = np.concatenate([derivatives.real, derivatives.imag], axis=-1)

@@ -93,7 +93,18 @@ def _hats_from_moments(out: Array, moment_0: Array, moment_1: Array) -> None:
 def _integrate_dirac_and_sign(
     dirac: Array, sign: Array, t: Array, points: Array, nodes: Array
 ) -> None:
-    """Write the integrals of Dirac(t) and sgn(t) against the hats."""
+    """Write the integrals of Dirac(t) and sgn(t), t = y - s, against the hats.
+
+    At the fraction f of its cell, of length h, y divides the hats of both ends: (1 - f)^2 h/2 of
+    the left one and (1 - f^2) h/2 of the right one are beyond y, where sgn(t) = -1.
+
+    Parameters
+    ----------
+    dirac, sign : (k, n) arrays
+        Are overwritten.
+    t : (k, n) array
+    points, nodes : (k,) and (n,) arrays
+    """
     h = np.diff(nodes)
     dirac[:] = 0.0
     # hats on one side of y: plus or minus their integral
@@ -165,9 +176,11 @@ def gauss_rule_in_cells(nodes: Array, a: float, length: float) -> SourceRule:
     """
     cells = np.diff(nodes)
     ratio = a * cells / length
+    # the function is constant in a cell that is much shorter than the length
     orders = np.where(ratio < 0.01, 1, 2 + np.minimum(3 * ratio, MAX_POINTS).astype(int))
-    cell, fraction, weight = _points_in_cells(orders.tobytes())
+    cell, fraction, weight = _points_in_cells(orders.tobytes())  # bytes can be keys of the cache
     weight = weight * (cells[cell] * a)
+    # a point contributes to the hats of both ends of its cell, by their values there
     moments, point = np.zeros((cell.size, nodes.size)), np.arange(cell.size)
     moments[point, cell], moments[point, cell + 1] = weight * (1 - fraction), weight * fraction
     return SourceRule(nodes[cell] + cells[cell] * fraction, moments)
@@ -175,7 +188,11 @@ def gauss_rule_in_cells(nodes: Array, a: float, length: float) -> SourceRule:
 
 @lru_cache(maxsize=64)
 def _points_in_cells(orders: bytes) -> tuple[Array, Array, Array]:
-    """Return the cell of each Gauss point, its position there from 0 to 1, and its weight."""
+    """Return the cell of each Gauss point, its position there from 0 to 1, and its weight.
+
+    ``orders`` are the bytes of an integer array: the number of points of each cell.  The weights
+    of a cell have the sum 1.
+    """
     counts = np.frombuffer(orders, dtype=int)
     rules = [_gauss_rule(n) for n in counts.tolist()]
     points, weights = (np.concatenate(parts) for parts in zip(*rules, strict=True))

@@ -211,7 +211,11 @@ class LayerSystems:
 
     @classmethod
     def of(cls, *layers: Layer) -> LayerSystems:
-        """Return the coefficients of layers, outermost first."""
+        """Return the coefficients of layers, outermost first.
+
+        D is computed from A_rr, A_tt and A_rt of a layer that does not state it.
+        """
+        # of each layer its depth, A_rr, A_tt, A_rt and G, which are its first five values, and D
         values = [
             (*layer[:5], (layer[5] if len(layer) > 5 else None) or stiffness_along(*layer[1:4]))  # type: ignore[arg-type]
             for layer in layers
@@ -233,7 +237,7 @@ class LayerSystems:
 
     @property
     def depth(self) -> Array:
-        """ln(outer/inner radius), (L, 1)."""
+        """ln(outer/inner radius), (L, 1); real also with complex moduli."""
         return self.values[0].real
 
     @property

@@ -143,19 +143,24 @@ def ring_topology(columns: int, rows: int) -> Topology:
     """Return shape functions and numbering of a ring of columns x rows elements.
 
     Quadratic elements of nine nodes, all of them unit squares here; :class:`RingMesh` scales them.
+    Shape functions and their derivatives are those of scikit-fem, in the coordinates of its own
+    reference element; they are returned in those of the unit square along x and r.
     """
     from skfem import Basis, ElementQuad2, MeshQuad  # only hardening rolls need it
 
+    # the element of column i and row k is the square from (i, k) to (i + 1, k + 1)
     mesh = MeshQuad.init_tensor(np.arange(columns + 1.0), np.arange(rows + 1.0))
-    basis = Basis(mesh, ElementQuad2(), intorder=5)
+    basis = Basis(mesh, ElementQuad2(), intorder=5)  # three Gauss points in each direction
     points, weights = basis.quadrature
     shapes = [basis.elem.lbasis(points, k) for k in range(9)]
     corner = mesh.p[:, mesh.t].min(axis=1)
-    # all elements are unit squares with the same orientation
+    # the map from the reference element to the first square, which is the same for all squares: the
+    # quadrature points in it, and by the chain rule the derivatives along x and r
     local = basis.mapping.F(points)[:, 0] - corner[:, :1]
     inverse = np.linalg.inv(basis.mapping.DF(points)[:, :, 0, 0])
     by_x, by_r = np.einsum("ji,kjq->ikq", inverse, np.array([slopes for _, slopes in shapes]))
     column, row = corner.astype(int)
+    # nodes are at corners and middles: their numbers along x and r are twice their coordinates
     x, r = np.rint(2 * basis.doflocs).astype(int)
     # the ring is closed: the last column of nodes is the first
     nodes = (x % (2 * columns) + 2 * columns * r)[basis.element_dofs.T]

@@ -262,11 +262,12 @@ class _Writer:
             Beginning of the dotted names of its fields.
         header : str
             First line of the section.
-        holder : FieldInfo
+        holder : FieldInfo, optional
             The field that holds the description; None for a problem.
-        quantity : Quantity
-            That of the field, which the values of a profile have.
+        quantity : Quantity, optional
+            That of this field, which the values of a profile have.
         """
+        # the fields of a group have a section of their own (:meth:`sections`)
         grouped = {name for names in getattr(thing, "tables", {}).values() for name in names}
         fields = {n: f for n, f in type(thing).model_fields.items() if n not in grouped}
         inner = [name for name in fields if self.is_nested(getattr(thing, name))]
@@ -276,7 +277,7 @@ class _Writer:
             for name in fields
             if name not in inner and self.is_shown(thing, name)
         ]
-        yield Section(header, rows, (holder and holder.description) or "")
+        yield Section(header, rows, (holder and holder.description) or "")  # "" for a problem
         for name in inner:
             value, path = getattr(thing, name), f"{prefix}{name}"
             # TOML writes each item of a list as [[name]]
@@ -306,7 +307,9 @@ class _Writer:
         return False
 
     def row(self, thing: Description, name: str, of_field: Quantity | None = None) -> Row:
-        """Return the line of a field; other descriptions than named materials have tables.
+        """Return the line of a field that has no section of its own (:meth:`is_nested`).
+
+        It has the value, "..." if it is not set, or the name of a material.
 
         Parameters
         ----------
@@ -314,13 +317,14 @@ class _Writer:
             The description that has the field.
         name : str
             The field.
-        of_field : Quantity
-            That of the field which holds the description; the values of a profile have it.
+        of_field : Quantity, optional
+            That of the field which holds the description: fields that are the values of a profile
+            have no other.
         """
         value, info = getattr(thing, name), type(thing).model_fields[name]
         if is_unset(value):
             return Row(name, UNSET, _comment_of_unset(info, of_field))
-        if isinstance(value, Description):
+        if isinstance(value, Description):  # a named material: others have sections
             return Row(name, toml_value(material_name(value)), _NAME_OR_TABLE)
         return Row(name, toml_value(value, quantity_of(info, of_field)), field_comment(info))
 
@@ -385,7 +389,7 @@ def _aligned_lines(sections: Sequence[Section], comments: bool) -> Iterator[str]
             key_width = max((len(row.key) for row in section.rows), default=0)
         lines = [(section.header, section.comment)] if section.header else []
         for row in section.rows:
-            is_set = row.value != UNSET
+            is_set = row.value != UNSET  # a field that is not set is a comment
             name = row.key.ljust(key_width) if is_set else f"# {row.key}"
             lines.append((f"{name} = {row.value}", row.comment))
         for text, comment in lines:

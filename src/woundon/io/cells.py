@@ -110,9 +110,9 @@ def numbers(
     """
     sign, count = decimal_sign(sheet), len(sheet.numbers)
     values = np.full((len(columns), count), np.nan)
-    converters = [column for column in columns if _converter(column)]
+    web_columns = [column for column in columns if _web_value(column)]
     # 1.0 stands for the values of the rows: whether a conversion is possible depends on names only
-    possible = _with_columns(conversion.inputs, {_converter(column): 1.0 for column in converters})
+    possible = _with_columns(conversion.inputs, {_web_value(column): 1.0 for column in web_columns})
     readers: dict[int, _Reader] = {}  # of the columns without an error in the header
     for k, column in enumerate(columns):
         try:
@@ -121,13 +121,14 @@ def numbers(
             readers[k] = _Reader(column.unit, scale, quantity, sign)
         except InvalidProblem as fault:
             faults.append(_column_fault(sheet, column, fault))
+    # in a long table, columns of plain numbers are converted as a whole, without the loop over rows
     for k, reader in list(readers.items()):
         plain = reader.plain_numbers(columns[k].cells, gaps(columns[k])) if count > LONG else None
-        if plain is not None and columns[k] not in converters:
+        if plain is not None and columns[k] not in web_columns:
             values[k] = plain
             del readers[k]
     for row in range(count if readers else 0):
-        inputs = _inputs_of_row(conversion.inputs, converters, row, sign)
+        inputs = _inputs_of_row(conversion.inputs, web_columns, row, sign)
         for k, reader in readers.items():
             cell = columns[k].cells[row]
             if gaps(columns[k]) and _is_empty(cell):
@@ -175,9 +176,12 @@ class _Reader(NamedTuple):
         if self.scale is None:
             return None
         if isinstance(cells, np.ndarray):
-            values = cells.astype(float) if cells.dtype.kind in "iuf" else np.full(1, np.inf)
+            if cells.dtype.kind not in "iuf":
+                return None
+            values = cells.astype(float)
         elif set(map(type, cells)) <= {str, int, float}:
-            # one search in a long text is faster than one in each cell
+            # A search in one long text is faster than one in each cell.  It admits some texts that
+            # are no numbers, which float rejects.
             text = "\n".join(cells if set(map(type, cells)) == {str} else map(str, cells))
             if not _PLAIN[self.sign].fullmatch(text):
                 return None
@@ -210,10 +214,10 @@ class _Reader(NamedTuple):
             raise InvalidProblem(f"{quote(cell)} is not a finite number") from None
 
 
-def _converter(column: Column) -> str:
-    """Return the value of the web, by which other columns are converted, that a column contains.
+def _web_value(column: Column) -> str:
+    """Return the name of the value of the web in a column; '' for other columns.
 
-    It is "width", "thickness" or "density"; '' for another column.
+    It is "width", "thickness" or "density": values that convert the cells of other columns.
     """
     name = column.name.removeprefix("web.").removeprefix("web_")
     return name if name in ("width", "thickness", "density") and not column.deviation else ""
@@ -225,14 +229,16 @@ def _with_columns(inputs: Inputs, fields: Mapping[str, Any]) -> Inputs:
 
 
 def _inputs_of_row(inputs: Inputs, columns: Sequence[Column], row: int, sign: str) -> Inputs:
-    """Return the values of the case with those of some columns in a row.
+    """Return the values with which the cells of a row are converted.
+
+    They are those of the case, except for the values of the web that the row contains.
 
     Parameters
     ----------
     inputs : Inputs
         Values of the case.
     columns : sequence of Column
-        Those that contain a value of the web; see :func:`_converter`.
+        Those that contain a value of the web.
     row : int
         From 0.
     sign : str
@@ -242,7 +248,7 @@ def _inputs_of_row(inputs: Inputs, columns: Sequence[Column], row: int, sign: st
     for column in columns:
         with suppress(InvalidProblem):  # it is reported when the cell itself is read
             text = _with_unit(_plain_text(column.cells[row], sign), column.unit)
-            fields[_converter(column)] = float(text) if _NUMBER.fullmatch(text) else text
+            fields[_web_value(column)] = float(text) if _NUMBER.fullmatch(text) else text
     return _with_columns(inputs, fields)
 
 

@@ -68,64 +68,83 @@ class _Files(NamedTuple):
     problem: Callable[[], type[Problem]]
 
     def replaced(self, part: Any, path: str) -> Any:
-        """Return a part of the case, whose dotted name is ``path``, with columns for files."""
+        """Return a part of the case, whose dotted name is ``path``, with columns for files.
+
+        Files are replaced in all tables and lists of the part; the name of the case itself is "".
+        """
         if isinstance(part, list):
             return [self.replaced(item, f"{path}.{k}") for k, item in enumerate(part)]
         if not isinstance(part, Mapping):
             return part
-        kinds = [kind for kind in FILE_KEYS if path and kind in part]
-        # the tables themselves have no name: theirs begin without a dot
-        table = {
-            # headers of the file are no names of fields, and may be csv or log
-            name: value
-            if kinds and name == "columns"
-            else self.replaced(value, f"{path}.{name}".lstrip("."))
-            for name, value in part.items()
-        }
-        if not kinds:
-            return table
-        if len(kinds) > 1:
+        # the case itself has fields, but no lists that a file may contain
+        keys = [key for key in FILE_KEYS if path and key in part]
+        table: dict[str, Any] = {}
+        for name, value in part.items():
+            if keys and name == "columns":
+                table[name] = value  # its names are headers of the file, and may be csv or log
+            else:
+                # names in the case itself begin without a dot
+                table[name] = self.replaced(value, f"{path}.{name}".lstrip("."))
+        if len(keys) > 1:
             raise InvalidProblem.at(path, "has csv and log; must have one of them")
-        name_of_file = table.pop(kinds[0])
+        return self._with_file(table, path, keys[0]) if keys else table
+
+    def _with_file(self, table: dict[str, Any], path: str, key: str) -> dict[str, Any]:
+        """Return a table with the columns of the file that it names.
+
+        Parameters
+        ----------
+        table : dict
+            Its fields; those about the file are removed.
+        path : str
+            Dotted name of the table.
+        key : "csv" or "log"
+            The field that names the file.
+        """
+        name_of_file = table.pop(key)
         if not isinstance(name_of_file, str) or not name_of_file.strip():
             text = f"{quote(name_of_file)} is out of place; must be the name of a file"
-            raise InvalidProblem.at(f"{path}.{kinds[0]}", text)
+            raise InvalidProblem.at(f"{path}.{key}", text)
         file = self.folder / name_of_file
         columns = table.pop("columns", None)
         if columns is not None and not isinstance(columns, Mapping):
             text = f"{quote(columns)} must be a table, {{'Header' = 'name [unit]'}}"
             raise InvalidProblem.at(f"{path}.columns", text)
-        read = self._log if kinds[0] == "log" else self._lists
-        found = read(file, path, table, columns)
-        for name in found.keys() & table.keys():
+        read = self._log if key == "log" else self._lists
+        lists = read(file, path, table, columns)
+        for name in lists.keys() & table.keys():
             text = f"has a column {name!r}, which the case contains too"
             raise InvalidProblem.at(str(file), text)
-        return table | found
+        return table | lists
 
     def _lists(
         self, file: Path, path: str, table: dict[str, Any], columns: Mapping[str, str] | None
     ) -> dict[str, Any]:
-        """Return the lists of a table from the columns of a file, as texts with units."""
-        known = _lists(self.problem(), path, table.get("kind"))
+        """Return the lists of a table from the columns of a file, as texts with units.
+
+        A table of pressure and strain may have a compression test, whose lists are numbers in SI.
+        """
+        known = _quantities_of_lists(self.problem(), path, table.get("kind"))
         if known.keys() >= {"pressure", "strain"}:
             return self._stack_test(file, path, table, columns)
         if not known:
             kind = f" with kind = {quote(table['kind'])}" if "kind" in table else ""
             text = f"is named in [{path}], which has no lists of numbers{kind}"
             raise InvalidProblem.at(str(file), text)
-        found = read_columns(file, known, columns)
-        missing = _missing_lists(self.problem(), path, table.get("kind"), {*found, *table})
+        lists = read_columns(file, known, columns)
+        missing = _missing_lists(self.problem(), path, table.get("kind"), {*lists, *table})
         if missing:
             text = f"has no column {one_of(missing, 'and')}, which [{path}] needs"
             raise InvalidProblem.at(str(file), text)
-        return found
+        return lists
 
     def _stack_test(
         self, file: Path, path: str, table: dict[str, Any], columns: Mapping[str, str] | None
     ) -> dict[str, Any]:
         """Return pressure and strain of a compression test; what was left out is a warning.
 
-        Entries of the table such as area, height and branch are arguments of the reader.
+        Entries of the table such as area, height and branch are arguments of the reader, and are
+        removed from it.
         """
         arguments = {name: table.pop(name) for name in TEST_ARGUMENTS if name in table}
         try:
@@ -136,7 +155,9 @@ class _Files(NamedTuple):
                 (f"{path}.{field}" if field in TEST_ARGUMENTS else field, text)
                 for field, text in fault.faults
             ) from None
-        warn([f"{test.where}: {text}" for text in test.account[:-1]], InputWarning)
+        # a test of which every row is used needs no warning
+        if any(not text.startswith("used: ") for text in test.account):
+            warn([f"{test.where}: {text}" for text in test.account], InputWarning)
         pressure, strain = rising_means(*test.used)
         return {"pressure": pressure.tolist(), "strain": strain.tolist()}
 
@@ -164,7 +185,7 @@ class _Files(NamedTuple):
         return {"radius": radius.tolist(), "value": values.tolist()}
 
 
-def _lists(problem: type, path: str, kind: Any) -> dict[str, Quantity]:
+def _quantities_of_lists(problem: type, path: str, kind: Any) -> dict[str, Quantity]:
     """Return the quantities of the fields of a table that are lists of numbers.
 
     Parameters
@@ -190,7 +211,8 @@ def _lists(problem: type, path: str, kind: Any) -> dict[str, Quantity]:
 def _missing_lists(problem: type, path: str, kind: Any, given: set[str]) -> list[str]:
     """Return the required lists of a table that are not given; [] if one of its kinds needs none.
 
-    Parameters as of :func:`_lists`; ``given`` are the names in the table and in its file.
+    Parameters as of :func:`_quantities_of_lists`; ``given`` are the names in the table and in its
+    file.
     """
     of_kinds = [
         [
@@ -208,7 +230,9 @@ def _members_with_lists(
 ) -> Iterator[tuple[type, dict[str, FieldInfo], Quantity | None]]:
     """Yield the descriptions that a table may be and that have lists of numbers.
 
-    With each its fields that are lists, by name, and the quantity of the field that holds it.
+    A table may be one of several descriptions if its field admits them, such as the laws of a
+    stack.  With each come its fields that are lists, by name, and the quantity of the field that
+    holds the description, which is that of the values of a profile.
     """
     for place in find_places(problem, path):
         for member in members_of(place.field.annotation):

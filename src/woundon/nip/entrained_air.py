@@ -112,6 +112,9 @@ def _compliance(problem: NipProblem, length: float) -> float:
     """Return C, half the sum of the compliances of both surfaces at wave number 1/length [1/Pa].
 
     The length is 0 if the web does not move.
+
+    A web that is wrapped on the drum holds the drum down: its tension T acts in parallel, so that
+    the compliance C of the drum becomes C/(1 + T C/length).
     """
     roll, drum = (_body_compliance(body, problem.web_speed, length) for body in problem.bodies)
     if problem.drum_wrap > 0 and length > 0:
@@ -255,7 +258,10 @@ def film_of_state(problem: NipProblem, equations: NipEquations, state: NipState)
 def _film_thickness(
     problem: NipProblem, pressure: Array, half_width: float, film_in_nip: float
 ) -> Array:
-    """Return m/(p_a + p), the film of a constant mass flow under the pressure."""
+    """Return m/(p_a + p), the film of a constant mass flow under the pressure p, (M,) [m].
+
+    m is that of ``film_in_nip``, the film under the mean pressure of the nip.
+    """
     assert problem.air is not None
     p_a = problem.air.ambient_pressure
     mass = film_in_nip * (p_a + problem.nip_load / (2 * half_width))

@@ -74,7 +74,16 @@ def _list_items(problem: Any) -> dict[str, float]:
 def _inputs_of(
     problem: Any, parameters: tuple[str, ...], excluded: Mapping[str, str]
 ) -> dict[str, float]:
-    """Return the values of the named fields; all continuous ones without a reason if none is named.
+    """Return the values of the inputs by which derivatives are taken.
+
+    Parameters
+    ----------
+    problem : Problem
+    parameters : tuple of str
+        Dotted names of continuous fields, or of items of lists; if empty, all continuous fields
+        that are not excluded.
+    excluded : mapping
+        Fields without a derivative, with the reason.
 
     Raises
     ------
@@ -129,15 +138,20 @@ def contact_sensitivity(
             text = f"no derivative of {name!r} is available{did_you_mean(name, available)}"
             raise InvalidProblem.at("outputs", text)
     inputs = _inputs_of(problem, parameters, excluded)
+    # the error estimates need the derivatives on as many meshes
     linearised = [_Linearisation(mesh, problem, outputs) for mesh in meshes[-CHANGES - 1 :]]
     ends = np.cumsum([each.value_count for each in linearised])[:-1]
 
     def values_on_all_meshes(changed: Any) -> Array:
-        """Return the values of a changed problem: its bodies are tabulated once for all meshes."""
+        """Return the values of a changed problem on all meshes, one after the other.
+
+        On all of them at once, so that its bodies are tabulated only once.
+        """
         return np.concatenate([each.values_of(changed, each.frictions) for each in linearised])
 
     for name, value in inputs.items():
         difference = _central_difference(values_on_all_meshes, problem, name, value)
+        # ``ends`` divides the values by mesh
         for each, column in zip(linearised, np.split(difference, ends), strict=True):
             each.by_input.append(column)
     derivatives = [each.derivatives() for each in linearised]
@@ -190,7 +204,8 @@ class _Linearisation:
     frictions : (2,) tuple
         The friction coefficients of the equations of a nip with air; empty without air.
     by_input : list of (value_count,) arrays
-        Derivatives of the values by each input, at the same u.
+        Derivatives of the values by each input, at the same u; the caller appends them, because
+        those on all meshes are computed together.
     """
 
     def __init__(self, mesh: MeshSolution, problem: Any, outputs: tuple[str, ...]) -> None:
@@ -203,9 +218,10 @@ class _Linearisation:
         self.value_count = self.size + len(self.frictions) + len(outputs)
         self.surface_of = _each_surface_once()
         self.system = self._system(dry)
-        # responses next to a half width are interpolated between these
+        # The system keeps the responses at these two half widths, and interpolates those between.
         for sign in (1, -1):
             self.system.evaluate(self._at_ln_a(sign * STEP))
+        # columns of ln a by central differences, as the derivatives along du are
         matrix = system_matrix(self.system, self.system.jacobian(mesh.state), mesh.active)
         for column in self.system.ln_a:
             matrix[:, column] = self._along(np.eye(1, self.size, column)[0])[: self.size]

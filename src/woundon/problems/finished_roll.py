@@ -149,7 +149,7 @@ class FinishedRollProblem(Problem):
         """Yield warnings about changes without effect, and about coefficients of no grade."""
         for change, (_, coefficients) in FREE_STRAINS.items():
             if getattr(self, change) != 0 and not self._strains_by(change):
-                zero = coefficients[:2] if self.core_removed else coefficients
+                zero = self._coefficients_of(change)
                 yield f"{change} is not used, as {one_of(zero, 'and')} are 0"
             elif getattr(self, change) != 0:
                 yield from self._unknown_coefficients(coefficients[:2])
@@ -167,6 +167,9 @@ class FinishedRollProblem(Problem):
 
     def _strains_by(self, change: str) -> bool:
         """Return True if layers or core are strained by a change of temperature or moisture."""
+        return any(getattr(self, name) for name in self._coefficients_of(change))
+
+    def _coefficients_of(self, change: str) -> tuple[str, ...]:
+        """Return the coefficients of layers and core by which a change of the roll strains them."""
         _, (along, through, core) = FREE_STRAINS[change]
-        parts = along, through, *(() if self.core_removed else (core,))
-        return any(getattr(self, name) for name in parts)
+        return (along, through) if self.core_removed else (along, through, core)

@@ -40,9 +40,9 @@ def contacts_parts(result: NipResult) -> list[Part]:
 
     def row(label: str, quantity: Quantity, name: str) -> TableRow:
         """Return the row of an attribute of all nips; empty cells where it is not known."""
-        found = np.array([float(getattr(contact, name)) for contact in contacts])
-        made = values_row(label, quantity, found)
-        return TableRow(tuple("" if cell == "nan" else cell for cell in made.cells))
+        values = np.array([float(getattr(contact, name)) for contact in contacts])
+        cells = values_row(label, quantity, values).cells
+        return TableRow(tuple("" if cell == "nan" else cell for cell in cells))
 
     rows = [
         row("angle from the first nip", ANGLE, "angle"),

@@ -43,6 +43,7 @@ def moduli(result: Any) -> Panel:
         relaxing = [material for material in materials if material.relaxes]
         for k, material in enumerate(relaxing):
             where = name if len(relaxing) == 1 else f"{name}, material {k + 1}"
+            # another colour for each material: each has one dashed curve
             colour = SERIES[sum(each.line == "dashed" for each in curves) % len(SERIES)]
             curves += _moduli_of(material, where, colour, lowest)
     mark = Mark("y", lowest, label="V/2a", colour="ink", line="dotted", alone=False)
@@ -60,7 +61,11 @@ def moduli(result: Any) -> Panel:
 
 
 def _moduli_of(material: Material, name: str, colour: str, lowest: float) -> list[Curve]:
-    """Return the curves of one material, and its measured points.
+    """Return the curves of one material over the frequency, and its measured points.
+
+    They are Young's moduli, or shear moduli if the bulk modulus is constant and only the shear
+    modulus relaxes.  Frequencies reach from decades below V/2a, or the lowest measured one, to
+    decades above it, or the highest measured one.
 
     Parameters
     ----------
@@ -69,16 +74,18 @@ def _moduli_of(material: Material, name: str, colour: str, lowest: float) -> lis
     name, colour : str
         In the legend.
     lowest : float
-        V/2a [Hz].
+        V/2a, the lowest frequency of the nip [Hz].
     """
     measured = material.measured_frequencies or (lowest, lowest)
     low = min(lowest / 10**BELOW, measured[0])
     high = max(lowest * 10**ABOVE, measured[1])
     f = np.geomspace(low, high, POINTS)
     letter, relaxed = "E", getattr(material, "long_term_modulus", material.stiffness.shear)
-    if material.bulk_is_constant:  # only the shear modulus relaxes
+    if material.bulk_is_constant:
         letter, relaxed = "G", material.stiffness.shear
-    E = relaxed * modulus_ratio(material.relaxation(1.0), 2 * pi * f)  # at 1 m/s c = tau
+    # A moving material relaxes over the lengths c = tau V and responds to wave numbers.  At 1 m/s
+    # these lengths have the values of the times, and angular frequencies stand for wave numbers.
+    complex_moduli = relaxed * modulus_ratio(material.relaxation(1.0), 2 * pi * f)
     curves = []
     if isinstance(material, DynamicTest):
         f_measured, storage, loss = material.measured_moduli
@@ -99,9 +106,14 @@ def _moduli_of(material: Material, name: str, colour: str, lowest: float) -> lis
             )
     return [
         *curves,
-        Curve("moduli", f, E.real, label=f"${letter}'$ of the {name}", colour=colour),
+        Curve("moduli", f, complex_moduli.real, label=f"${letter}'$ of the {name}", colour=colour),
         Curve(
-            "moduli", f, E.imag, label=f"${letter}''$ of the {name}", colour=colour, line="dashed"
+            "moduli",
+            f,
+            complex_moduli.imag,
+            label=f"${letter}''$ of the {name}",
+            colour=colour,
+            line="dashed",
         ),
     ]
 

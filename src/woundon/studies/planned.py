@@ -254,7 +254,9 @@ def plan_measurement(
     tie: Mapping[str, str],
     options: Mapping[str, Any],
 ) -> PlannedMeasurement:
-    """Check the names, units and states of a measurement.
+    """Return a measurement with the model and the states that predict its values.
+
+    All names, values and units are checked; nothing is solved.
 
     Parameters
     ----------
@@ -274,26 +276,18 @@ def plan_measurement(
     is_separate = measurement.problem is not None
     base = problem if measurement.problem is None else measurement.problem
     kind = kind_of(base)
+    scalars = measurable_outputs(base)
     arrays = arrays_over_radius(kind.result, columns_of(base))
-    known = {**arrays, **measurable_outputs(base)}
-    aliases = {PULL_TAB: PRESSURE} | {a: b for a, b in MEASURED_AS.items() if b in known}
-    output = aliases.get(measurement.quantity, measurement.quantity)
+    known = {**arrays, **scalars}
+    output = _output_of(measurement.quantity, known, kind.name)
     where = measurement.quantity
-    if output not in known:
-        names = (*known, *([PULL_TAB] if PRESSURE in known else []))
-        text = f"is not an output of a {kind.name}{did_you_mean(measurement.quantity, names)}"
-        raise InvalidProblem.at(where, text)
     state, position = _state(measurement, base, bool(arrays))
-    if output not in measurable_outputs(base) and np.isnan(position).any():
+    if output not in scalars and np.isnan(position).any():
         raise InvalidProblem.at(f"{where}: at", 'missing; write at={"radius": ...}')
     paths = _followers_of_unknowns(measurement, base, unknown)
-    for name in state:
-        for unknown_name, group in paths.items():
-            if name in group:
-                text = f"is unknown ({unknown_name}), so it cannot be part of a state"
-                raise InvalidProblem.at(f"{where}: at: {name}", text)
+    _check_state(state, paths, where)
     # a model needs an output; arrays over the radius are none
-    outputs = (output,) if output in measurable_outputs(base) else ("residual",)
+    outputs = (output,) if output in scalars else ("residual",)
     model = model_of(base, outputs, {} if is_separate else tie, {} if is_separate else options)
     model.check_varied([*state, *(path for group in paths.values() for path in group)])
     cases = cases_of(state, [Observable(output, radius) for radius in position.tolist()])
@@ -302,6 +296,53 @@ def plan_measurement(
     in_si = partial(parse, unit=quantity.unit, field=of_deviation)
     deviation, is_relative = read_deviation(measurement.standard_deviation, in_si, of_deviation)
     return PlannedMeasurement(measurement, model, cases, quantity, deviation, is_relative, paths)
+
+
+def _output_of(name: str, known: Mapping[str, Quantity], kind_name: str) -> str:
+    """Return the output that predicts a measured quantity, which may have another name.
+
+    Parameters
+    ----------
+    name : str
+        The measured quantity, such as ``pull_tab_pressure``, which the pressure predicts.
+    known : mapping
+        Outputs of the problem, scalars and arrays over the radius.
+    kind_name : str
+        Kind of the problem, for the error.
+
+    Raises
+    ------
+    InvalidProblem
+        If the problem has no such output.
+    """
+    aliases = {PULL_TAB: PRESSURE} | {a: b for a, b in MEASURED_AS.items() if b in known}
+    output = aliases.get(name, name)
+    if output not in known:
+        names = (*known, *([PULL_TAB] if PRESSURE in known else []))
+        text = f"is not an output of a {kind_name}{did_you_mean(name, names)}"
+        raise InvalidProblem.at(name, text)
+    return output
+
+
+def _check_state(
+    state: Mapping[str, Array], paths: Mapping[str, Sequence[str]], where: str
+) -> None:
+    """Reject a state with the value of a field that follows an unknown.
+
+    Parameters
+    ----------
+    state : mapping of str to array
+        Fields of the state.
+    paths : mapping of str to sequence of str
+        Unknown -> fields that follow it.
+    where : str
+        The measured quantity, for the error.
+    """
+    for name in state:
+        for unknown_name, group in paths.items():
+            if name in group:
+                text = f"is unknown ({unknown_name}), so it cannot be part of a state"
+                raise InvalidProblem.at(f"{where}: at: {name}", text)
 
 
 def _state(

@@ -79,7 +79,7 @@ class Store:
         sqlite3.DatabaseError
             If the file has not exactly the tables of a study, or the record cannot be read.
         """
-        # nothing is read from a view, which may contain any computation
+        # before anything is read: a view of this name may contain any computation
         names = self.connection.execute("SELECT type, name FROM sqlite_master").fetchall()
         if sorted(names) != [("table", "chunk"), ("table", "study")]:
             raise sqlite3.DatabaseError("its tables are not those of a study")
@@ -163,7 +163,7 @@ def open_store(
         closing(_connect(path, is_writable)) as connection,
     ):
         store = Store(connection, json.dumps(record, sort_keys=True))
-        # of two processes that create the file at a time, the second reads what the first wrote
+        # If two processes create the file, the second one waits here, and reads that of the first.
         connection.execute("BEGIN IMMEDIATE" if is_writable else "BEGIN")
         if is_writable and not path.stat().st_size:
             store.create()
@@ -220,17 +220,25 @@ def _check_study(
 
 @contextmanager
 def _errors_of_sqlite_translated(folder: Path, is_writable: bool) -> Iterator[None]:
-    """Raise OSError, or InvalidProblem for a damaged file, in place of errors of SQLite."""
+    """Raise InvalidProblem if SQLite finds the file damaged, and OSError for its other errors.
+
+    The others are those of the disk, of permissions and of another process, which leave the store
+    valid: OperationalError, except with the code SQLITE_ERROR, which is that of a statement for
+    which the file has no table or column.
+    """
     try:
         yield
     except sqlite3.Error as fault:
-        code = getattr(fault, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF  # the primary code
-        if not isinstance(fault, sqlite3.OperationalError) or code == sqlite3.SQLITE_ERROR:
+        # The low byte is the primary code.  Errors raised in this module have none.
+        code = getattr(fault, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF
+        is_damaged = not isinstance(fault, sqlite3.OperationalError) or code == sqlite3.SQLITE_ERROR
+        if is_damaged:
             reason = " ".join(str(fault).split())  # SQLite reports each damaged page on a line
             text = f"its {FILE} is damaged or not a study ({reason}) and is left as it is"
             raise InvalidProblem.at(
                 str(folder), f"{text}; solve the study in another folder"
             ) from None
+        # SQLite writes the state before an interrupted transaction back before it reads the file
         if code == sqlite3.SQLITE_READONLY and not is_writable:
             text = "cannot be written, and a write to it was interrupted; copy the folder to resume"
             raise OSError(errno.EROFS, text, str(folder)) from None

@@ -101,12 +101,15 @@ def certificate(result: Any) -> Residuals:
         tension_balance=largest(np.abs(WOT - result.web_tension - result.nip_induced_tension))
         / unit,
         schedules=largest([*schedules, _drives_residual(result)]),
-        reach=_reach(result),
+        reach=_end_radii_residual(result),
     )
 
 
-def _reach(result: Any) -> float:
-    """Return the difference of the end radii from those of the problem; inf for invalid arrays."""
+def _end_radii_residual(result: Any) -> float:
+    """Return the relative difference of the end radii from those of the problem.
+
+    It is infinite unless radii increase and the arrays over them have their length.
+    """
     r = result.radius
     if not (np.diff(r) > 0).all() or any(getattr(result, name).shape != r.shape for name in LOADS):
         return np.inf

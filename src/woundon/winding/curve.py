@@ -194,7 +194,16 @@ class TensionCurve:
         return np.union1d(needed, core + np.exp(x[~is_near]))
 
     def refine_radii(self, values: Mapping[float, float]) -> bool:
-        """Add radii until linear interpolation is accurate; return True if any were added."""
+        """Add radii until linear interpolation is accurate; return True if any were added.
+
+        The reported tension is linear between its radii; the polynomials of the pieces are not.
+        In the piece on the core a larger error is accepted, as for the polynomials themselves.
+
+        Parameters
+        ----------
+        values : mapping of float to float
+            Place -> friction share.
+        """
         initial_count = self.interval_count
         while True:
             r = self.knots()
@@ -209,6 +218,13 @@ class TensionCurve:
         """Return the relative errors of linear interpolation above and in the piece on the core.
 
         Radii below ten layers are excluded.
+
+        Parameters
+        ----------
+        values : mapping of float to float
+            Place -> friction share, for the polynomials.
+        r, tension : (k,) arrays
+            Points of the reported polyline [m], [N/m].
         """
         fine = sampling_radii(self.problem)
         # of the polyline through the reported tension, relative to the interpolating polynomials
@@ -233,13 +249,20 @@ class TensionCurve:
         ]
 
     def _relative_error(self, place: float, error: float, value: float) -> float:
-        """Convert the error of a share to a relative error of the tension."""
+        """Convert the error of a share at a place to a relative error of the tension.
+
+        ``value`` is the share there.
+        """
         r = np.array(self.radius(place))
         added = error * self.problem.roll_friction * self.problem.at("nip_load", r)
         return float(added / self.wound_on(np.array(value), r))
 
     def interpolation_error(self, values: Mapping[float, float], r: Array, tension: Array) -> float:
-        """Return the relative interpolation error of the reported tension between the nips."""
+        """Return the relative interpolation error of the reported tension between the nips.
+
+        It is the sum of the errors of the polynomials, of the polyline through the reported tension
+        and of schedules that vary between the nips.  Parameters as of :meth:`_polyline_errors`.
+        """
         fine = sampling_radii(self.problem)
         polyline, _ = self._polyline_errors(values, r, tension)
         schedule = self._schedule_error(fine, self.tension(values, fine))
@@ -248,7 +271,10 @@ class TensionCurve:
     def core_interpolation_error(
         self, values: Mapping[float, float], r: Array, tension: Array
     ) -> float:
-        """Return the relative interpolation error of the tension in the piece on the core."""
+        """Return the relative interpolation error of the tension in the piece on the core.
+
+        Parameters as of :meth:`_polyline_errors`.
+        """
         return (
             self.errors(values)[0] + self._polyline_errors(values, r, tension)[1]
             if self.on_core

@@ -204,12 +204,13 @@ class NipsOfWinding:
         return np.array(loads)
 
     def tension_at(self, lanes: Lanes) -> TensionAt:
-        """Return the function that gives the tension of lanes."""
+        """Return the function that gives the tension of lanes, in nips if these are solved."""
         E_t = float(self.roll.problem.stack.tangential)
         h = float(self.roll.problem.web_thickness)
         drums = self.drums(lanes)
 
         def tension(x: float, c: Array, mu: Array, guess: Array) -> TensionOfLanes | None:
+            """Return the tension of lanes at ln s = x; see :data:`.lanes.TensionAt`."""
             r = np.array([np.exp(x)])
             wound_on = h * float(self.roll.problem.tension_curve.at(r)[0])
             web, strain = float(self.web_tension(r)[0]), wound_on / (h * E_t)
@@ -229,7 +230,11 @@ class NipsOfWinding:
         return [(beam, nip, name) for beam, nip, name in beams if beam is not None]
 
     def drums(self, lanes: Lanes) -> DrumsAcross | None:
-        """Return the drums across the lanes; None of straight drums."""
+        """Return the drums across the lanes; None of straight drums.
+
+        Lanes with a share of the width lie next to each other between the edges of the profile; the
+        others are places between the edges, without a width.
+        """
         if not self._beams:
             return None
         edges = np.array(self.problem.thickness_profile.position)[[0, -1]]
@@ -251,6 +256,7 @@ class NipsOfWinding:
                 )
             )
             if isinstance(bending, DrumBending):
+                # relative to the mean height over the width
                 heights = bending.mean_heights(ends), bending.heights(places, tuple(edges))
                 crown[nip] = np.concatenate(heights) - lanes.share[with_share] @ heights[0]
         return DrumsAcross(crown, BeamsAcross(beams, np.diff(ends), places - edges[0]), loaded_by)
@@ -274,17 +280,19 @@ class NipsOfWinding:
         loads = self.nip_loads(np.array([radius]))[:, 0].tolist()
         nips = []
         for k, load in enumerate(loads):
-            own = np.array([np.interp(x, places, column) for column in values[:, k].T])
+            # interpolated from the values that _samples returns
+            row = np.array([np.interp(x, places, column) for column in values[:, k].T])
+            log_compliance, log_approach = row[0], row[1 : 1 + count]
+            change = fade * row[1 + count : 1 + 2 * count]
             force = float(np.interp(x, places, friction)) * load
-            change, whole = fade * own[1 + count : 1 + 2 * count], added if k == 0 else 0.0
             # one nip adds nothing without load; the others of several add more without this one
             unloaded = -added / force if len(loads) == 1 else change[0]
             nips.append(
                 NipAtRadius(
                     load=load,
-                    approach=float(np.exp(own[0]) * load),
-                    log_approach=own[1 : 1 + count],
-                    added_at_load=whole,
+                    approach=float(np.exp(log_compliance) * load),
+                    log_approach=log_approach,
+                    added_at_load=added if k == 0 else 0.0,
                     added_change=np.array([unloaded, *change]),
                     friction_force=force,
                     sampled=self.sampled,
@@ -348,14 +356,14 @@ class NipsOfWinding:
         last: NipSample | None = None  # a warm start
         rows = []
         for k, load in enumerate(loads):
-            own = []
+            values = []  # approach of nip k, and tension added by all nips, at each of its loads
             for fraction in self.sampled:
                 fractions = tuple(fraction if j == k else 1.0 for j in range(len(loads)))
                 if fractions not in solved:
                     solved[fractions] = self._sample(radius, friction, fractions, last)
                     last = solved[fractions] or last
-                own.append(_approach_and_added(solved[fractions], k))
-            delta, added = np.array(own).T
+                values.append(_approach_and_added(solved[fractions], k))
+            delta, added = np.array(values).T
             middle = self.sampled.index(1.0)
             log_approach = np.log(delta / delta[middle])
             change = (added - added[middle]) / (friction * load)
@@ -464,7 +472,8 @@ def _completed(x: Array, values: Array) -> Array:
 def lanes_of_winding(result: Any, rtol: float, count: int) -> LaneRoll:
     """Solve for the lanes of a winding.
 
-    The effect of the thickness of the layers is part of the error estimates.
+    They are those of a roll at rest, as lanes neglect the centrifugal force, and of thin layers:
+    the effect of the thickness of the layers is part of the error estimates.
 
     Parameters
     ----------

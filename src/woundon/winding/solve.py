@@ -372,6 +372,9 @@ class _Winder:
     ) -> _Iteration:
         """Compute the roll from the shares, and the shares of the nips on this roll.
 
+        The roll contains the mean air film of the nips that were solved so far.  Those solved on it
+        change this mean: like the tension, the film must agree between roll and nips.
+
         Parameters
         ----------
         shares : dict of float to float
@@ -389,8 +392,9 @@ class _Winder:
             roll = recomputed(self.problem, stages.roll, r, tension, film, changes=False)
         nip_shares = {place: share_of_nip(place, roll.result) for place in shares}
         change = max(self._mismatch(place, share) for place, share in shares.items())
-        # the change of the air film counts relative to the web thickness
-        change = max(change, abs(self.nips.mean_film() - film) / self.problem.web.thickness)
+        # the film of the nips solved above differs from that of the roll; relative to the web
+        film_change = abs(self.nips.mean_film() - film) / self.problem.web.thickness
+        change = max(change, film_change)
         return _Iteration(shares, nip_shares, r, roll, stages is None, film, change)
 
     def _predicted_share(self, place: float, roll: RollResult) -> float:
@@ -427,7 +431,9 @@ class _Winder:
     def _mismatch(self, place: float, share: float) -> float:
         """Return the relative difference between the tension of the roll and that of a nip.
 
-        It is the larger of the differences to the solved nip and to its extrapolation.
+        A nip is solved with a guess of the effective pressure of the roll, and its tension is then
+        extrapolated to the pressure that follows from it (:class:`.NipSample`).  The larger of the
+        differences to both tensions is returned, so that a small one shows a good guess too.
         """
         sample, tension = self.nips.samples[self.curve.radius(place)], self._tension(place, share)
         return max(
@@ -542,6 +548,8 @@ class _Winder:
         nip_radii = sorted(curve.radius(place) for place in curve.places)
         r = polyline_radii(problem, fine, tension(fine), self.rtol, nip_radii)
         roll = wind(problem, r, tension(r), self.rtol, iteration.film, changes=False)
+        # nips under the measured schedules, with warm starts from those of the smooth winding; they
+        # continue its count of solved nips
         nips = self.nips
         checks = Nips(
             problem,
@@ -553,8 +561,9 @@ class _Winder:
         )
         mismatch = largest_mismatch(departure, checks, roll.result, tension)
         nips.solved = checks.solved
-        reported = np.interp(iteration.r, r, tension(r) - departure(r))
-        smooth = curve.interpolation_error(iteration.nip_shares, iteration.r, reported)
+        # the interpolation error is that of the smooth part of the reported tension
+        smooth_tension = np.interp(iteration.r, r, tension(r) - departure(r))
+        known = iteration.nip_shares, iteration.r, smooth_tension
         return assemble_result(
             problem,
             r,
@@ -562,14 +571,14 @@ class _Winder:
             roll,
             nips,
             interpolation=(
-                smooth + mismatch,
-                curve.core_interpolation_error(iteration.nip_shares, iteration.r, reported),
+                curve.interpolation_error(*known) + mismatch,
+                curve.core_interpolation_error(*known),
             ),
             rtol=self.rtol,
             coupling_rtol=self.coupling_rtol,
             film=iteration.film,
             curved=tension(r, curved=True) if self.errors else None,
-            departure=departure(np.array(nip_radii)),
+            departure=departure(np.array(nip_radii)),  # the nips are those of the smooth winding
         )
 
 
