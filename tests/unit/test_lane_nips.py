@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
+from woundon.roll.lane_roll import build_up_of, solve_lanes
 from woundon.winding.lane_nips import (
     LOADS,
     NipAtRadius,
@@ -115,3 +116,20 @@ def test_the_first_layers_are_wound_with_the_web_tension_under_any_load():
         # a lane without load has nearly the tension of the web, whatever the number of lanes; with
         # changes as on the first nip it had 327 to 350 N/m
         assert 0.995 * 350 < result.worst_lane.least_tension <= 350 * (1 + 1e-9)
+
+
+class NoContact:
+    """Nips whose lanes cannot share the load."""
+
+    def tension_at(self, lanes: object):
+        return lambda *arguments: None
+
+
+def test_lanes_that_cannot_be_wound_are_not_blamed_on_the_stack():
+    """The roll of the mean web exists; a crown or profile is at fault."""
+    profile = wo.ThicknessProfile(position=[0, 2], thickness=[1, 1])
+    problem = wo.RollProblem.example().replace(thickness_profile=profile)
+    result = wo.solve(problem, rtol=0.01, lanes=4)
+    with pytest.raises(wo.NotConverged, match=r"vary too much between the lanes.*even_crown") as no:
+        solve_lanes(result, build_up_of(result), problem, count=4, nips=NoContact())
+    assert "too soft" not in str(no.value)
