@@ -448,7 +448,7 @@ def test_the_ridge_of_stiffer_stacks(K2):
     R = float(lanes.share @ laid.surface)
     changes = {"stack.radial.K2": K2, "core.stiffness": 1e12}
     lane = solve(roll_of("newsprint, K2 40", R).replace(**changes), lanes)
-    # Another independent program: 9, 52, 93 and 99 % of n d h.  It states no n.  52, 93 and 99 % are
+    # Another independent program: 9, 52, 93 and 99 % of n d h, without its n.  52, 93 and 99 % are
     # those of 700 layers (K2 400: 69, 61, 52 % with 300, 450, 700), with which K2 40 has 6.7 %; it
     # has 11.6, 8.7 and 4.8 % with 300, 450 and 1500, so that 9 % belongs to about 430 layers.
     share = (laid.surface[0] - R) / (700 * 0.0005 * 66e-6)
