@@ -15,6 +15,7 @@ from slow_cases import slow_case
 import woundon as wo
 from woundon.io.case_files import apply_settings, load_case, make_problem, to_toml
 from woundon.io.case_texts import grade_template
+from woundon.problems.free_strains import OF_WEB
 from woundon.problems.library import library
 from woundon.problems.materials import MATERIALS
 from woundon.problems.units import parse
@@ -39,7 +40,7 @@ def no_input_warning():
 def test_every_value_has_a_source_and_a_spread(name):
     grade = GRADES[name]
     names = {name for name, _ in grade.texts()}
-    assert len(names) == 20
+    assert len(names - set(OF_WEB)) == 20
     assert all(grade.sources[each] for each in names)
     spread = {each for each in names if not each.startswith("limits.")} - {"pressure"}
     assert spread == grade.spread.keys()
@@ -227,3 +228,58 @@ def test_templates_state_the_tension_of_their_grade(name, kind):
     assert tension == pytest.approx(wo.grade(name).tension / 2, rel=1e-12)
     stated = re.search(r"usual for the grade, (.*?): the nip", " ".join(text.split()))
     assert parse(stated[1], "N/m", "tension") == pytest.approx(wo.grade(name).tension, rel=1e-12)
+
+
+# ---- moisture and temperature -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "coefficients"),
+    [
+        # sources in the data file
+        ("newsprint", {"tangential_swelling": 0.01}),
+        ("pet-36", {"tangential_expansion": 17e-6}),
+        ("aluminium-foil-9", {"tangential_expansion": 23.6e-6, "radial_expansion": 23.6e-6}),
+        ("bopp-20", {}),
+    ],
+)
+def test_a_grade_supplies_the_coefficients_that_have_a_source(name, coefficients):
+    known = {each: getattr(wo.grade(name), each) for each in OF_WEB}
+    assert {each: value for each, value in known.items() if value is not None} == coefficients
+    roll = wo.RollProblem(grade=name, core=CORE, diameter="0.4 m", wound_on_tension=100.0)
+    assert {each: getattr(roll, each) for each in OF_WEB} == {
+        each: coefficients.get(each, 0.0) for each in OF_WEB
+    }
+
+
+def test_moisture_and_grade_are_enough():
+    """A change of the moisture strains the web as its grade; an unknown swelling is named."""
+    dry = wo.RollProblem(grade="newsprint", core=CORE, diameter="0.4 m", wound_on_tension=400.0,
+                         moisture_change="-2 %")  # fmt: skip
+    alone = dry.replace(moisture_change=0.0)
+    assert dry.free_strains[1].along == 0.01
+    stated = wo.RollProblem(
+        core=CORE, diameter="0.4 m", wound_on_tension=400.0, web_thickness=dry.web_thickness,
+        stack=dry.stack, density=dry.density, moisture_change="-2 %", tangential_swelling=0.01,
+    )  # fmt: skip
+    np.testing.assert_array_equal(wo.solve(dry).pressure, wo.solve(stated).pressure)
+    assert "radial_swelling = 0: the grade 'newsprint' has no value for it" in dry.input_warnings
+    assert not alone.input_warnings
+    assert not dry.replace(radial_swelling=0.3).input_warnings
+    # uncertain is only what has an effect
+    grade = dry.named_grade
+    assert grade.spread_of(dry)["tangential_swelling"] == 0.5
+    assert "tangential_swelling" not in grade.spread_of(alone)
+
+
+def test_another_grade_takes_its_coefficients_along():
+    roll = wo.RollProblem(grade="newsprint", core=CORE, diameter="0.4 m", wound_on_tension=60.0)
+    film = roll.replace(grade="pet-12")
+    assert (film.tangential_swelling, film.tangential_expansion) == (0.0, 17e-6)
+    ours = wo.grade({"like": "newsprint", "radial_swelling": 0.4})
+    assert roll.replace(grade=ours).radial_swelling == 0.4
+    assert roll.replace(grade=ours, radial_swelling=0.2).radial_swelling == 0.2
+    with pytest.warns(wo.InputWarning, match="tangential_swelling = 0.02 replaces the 0.01 of"):
+        roll.replace(grade="sc", tangential_swelling=0.02)
+    with pytest.raises(wo.InvalidProblem, match="radial_swelling: 11 is out of range"):
+        wo.grade({"like": "newsprint", "radial_swelling": 11})

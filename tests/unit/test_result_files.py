@@ -109,7 +109,11 @@ ADDED = (
     *("moisture_change", "tangential_swelling", "radial_swelling", "core_swelling"),
     *("drum_bending", "core_bending"),
 )
-ADDED_TO_SOME = "density", "web_speed"  # a nip had a speed and no density, a roll the reverse
+# a nip had a speed and no density, a roll the reverse; a winding had no changes of its roll
+ADDED_TO_SOME = (
+    *("density", "web_speed", "temperature_change", "core_shrinkage"),
+    *("tangential_expansion", "radial_expansion", "core_expansion"),
+)
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in VERSION_0_3_1.glob("*.toml")))
@@ -123,8 +127,12 @@ def test_files_of_version_0_3_1_are_read_and_written_alike(tmp_path, name):
     assert result == wo.load_result(paths["json"])
     assert result.problem == wo.load_case(paths["toml"])
     written = to_toml(result.problem).splitlines(keepends=True)
-    known = [line for line in written if line.partition(" ")[0] not in ADDED]
-    assert "".join(known) == paths["toml"].read_text("utf-8")
+    kept = paths["toml"].read_text("utf-8").splitlines(keepends=True)
+    of_winding = ADDED_TO_SOME if name == "winding" else ()
+    left_out = {*ADDED, *of_winding} - {line.partition(" ")[0] for line in kept}
+    known = [line for line in written if line.partition(" ")[0] not in left_out]
+    # equals signs are aligned with the longest name, which may be one of the added fields
+    assert [line.split() for line in known] == [line.split() for line in kept]
     records, data = [], []
     result.save(tmp_path / "written.json")
     result.save(tmp_path / "written.nc")

@@ -111,8 +111,9 @@ def test_a_core_is_there_or_removed():
         ROLL.replace(core_removed="maybe")
     with pytest.raises(wo.InvalidProblem, match=r"core_removed: .* must be"):
         ROLL.replace(core_removed=1)
-    with pytest.raises(wo.InvalidProblem, match=r"core_removed: .*only a RollProblem has it"):
-        wo.WindingProblem.example().replace(core_removed=True)
+    both = r"core_removed: .*only a RollProblem or WindingProblem has it"
+    with pytest.raises(wo.InvalidProblem, match=both):
+        wo.NipProblem.example().replace(core_removed=True)
 
 
 HEATED: dict[str, Any] = {"temperature_change": 5, "radial_expansion": 1e-5}

@@ -26,6 +26,11 @@ ROTATION = (
     "centrifugal force."
 )
 STILL_LANES = "The lanes across the width are those of a web without centrifugal force."
+CHANGES = "Temperature, moisture and shrinkage change the finished roll at once, without creep."
+RELEASED = (
+    "The core is removed at once; layers that are relieved follow the law of the stack back: its "
+    "hysteresis, by which the pressure would fall faster, is neglected."
+)
 BONDED = "The layers of the roll are bonded: they do not slip on each other."
 AIR = (
     "The air film is isothermal, as wide as the web, and escapes only through the web; friction "
@@ -103,21 +108,15 @@ def _across(problem: Any, uniform: str) -> str:
 def of_roll(problem: Any) -> tuple[str, ...]:
     """Return the assumptions of a wound roll."""
     axisymmetric = "The roll is axisymmetric, its layers in static equilibrium and elastic."
-    change = "Temperature, moisture and shrinkage change the finished roll at once, without creep."
-    changes = problem.temperature_change or problem.moisture_change or problem.core_shrinkage
-    released = (
-        "The core is removed at once; layers that are relieved follow the law of the stack back: "
-        "its hysteresis, by which the pressure would fall faster, is neglected."
-    )
     return (
         axisymmetric,
         _across(problem, UNIFORM_THICKNESS),
         UNLOADED_THICKNESS if problem.caliper_pressure is None else CALIPER_THICKNESS,
         "The radial stiffness depends on the pressure alone, loading and unloading alike.",
         "The layers neither slip nor creep.",
-        *([change] if changes else []),
+        *_changes(problem),
         *_rotation(problem),
-        *([released] if problem.core_removed else []),
+        *([RELEASED] if problem.core_removed else []),
     )
 
 
@@ -172,8 +171,16 @@ def of_winding(problem: Any) -> tuple[str, ...]:
         *([AIR] if problem.air is not None else []),
         *([FOIL_FILM] if problem.air is not None and not problem.has_nip else []),
         *_centrifugal(problem, low=float(tensions.min()), high=float(tensions.max())),
+        *_changes(problem),
         *_rotation(problem),
+        *([RELEASED] if problem.core_removed else []),
     )
+
+
+def _changes(problem: Any) -> list[str]:
+    """Return the assumption on the changes of the finished roll, if there are any."""
+    changes = problem.temperature_change or problem.moisture_change or problem.core_shrinkage
+    return [CHANGES] if changes else []
 
 
 def _rotation(problem: Any) -> Iterator[str]:

@@ -26,7 +26,16 @@ from ..quantities import (
 )
 from .bodies import Cylinder
 from .description import Description
-from .fields import Nested, Number, Numbers, default
+from .fields import Nested, Number, Numbers, OptionalNumber, default
+from .free_strains import (
+    ALONG_EXPANSION,
+    ALONG_SWELLING,
+    EXPANSION_RANGE,
+    OF_WEB,
+    SWELLING_RANGE,
+    THROUGH_EXPANSION,
+    THROUGH_SWELLING,
+)
 from .inputs import Inputs, is_basis_weight
 from .library import entry_of, library, read_file, relative_deviation
 from .limits import Limits
@@ -80,6 +89,11 @@ class Grade(Description):
         Between the layers; between web and drum.
     roughness : float
         Root mean square of both facing surfaces together [m].
+    tangential_expansion, radial_expansion : float, optional
+        Thermal expansion along the web and through the stack [1/K]; None if no source is known.
+    tangential_swelling, radial_swelling : float, optional
+        Strains along the web and through the stack by a moisture content of 1 [1]; None if no
+        source is known.
     tension : float
         Wound-on tension that is usual for the grade [N/m].
     pressure : (float, float)
@@ -132,6 +146,12 @@ class Grade(Description):
     roughness: Annotated[
         Number, length("s", "rms roughness of both surfaces together", "um"), Field(gt=0, le=1e-3)
     ]
+    tangential_expansion: Annotated[OptionalNumber, ALONG_EXPANSION, EXPANSION_RANGE] = default(
+        None
+    )
+    radial_expansion: Annotated[OptionalNumber, THROUGH_EXPANSION, EXPANSION_RANGE] = default(None)
+    tangential_swelling: Annotated[OptionalNumber, ALONG_SWELLING, SWELLING_RANGE] = default(None)
+    radial_swelling: Annotated[OptionalNumber, THROUGH_SWELLING, SWELLING_RANGE] = default(None)
     tension: Annotated[Number, tension("WOT", "usual wound-on tension"), Field(gt=0, le=1e6)]
     pressure: Annotated[
         Numbers,
@@ -221,11 +241,17 @@ class Grade(Description):
         )
 
     def spread_of(self, problem: Description) -> dict[str, float]:
-        """Return the relative standard deviations of the fields of a problem, by dotted name."""
+        """Return the relative standard deviations of the fields of a problem, by dotted name.
+
+        Coefficients of changes that a roll does not have are left out.
+        """
+        without_effect = getattr(problem, "unused", ())
         return {
             path: self.spread[name]
             for path, name in _FIELDS
-            if name in self.spread and field_or_none(problem, path) is not None
+            if name in self.spread
+            and field_or_none(problem, path) is not None
+            and not (name in OF_WEB and path in without_effect)
         }
 
     def tied_fields(self, problem: Description) -> dict[str, str]:
@@ -296,6 +322,7 @@ _FIELDS = (
     ("drum_friction", "drum_friction"),
     ("density", "density"),
     ("air.roughness", "roughness"),
+    *((name, name) for name in OF_WEB),
 )
 
 
@@ -541,6 +568,8 @@ def warn_of_contradictions(named_grade: Grade, problem: Description) -> None:
     for path, name in _FIELDS:
         value = field_or_none(problem, path)
         grade_value = getattr(named_grade, name)
+        if grade_value is None:  # of a coefficient whose value is not known
+            continue
         if isinstance(value, float) and abs(value - grade_value) > SAME * abs(grade_value):
             quantity = quantity_of(Grade.model_fields[name])
             assert quantity is not None
@@ -573,6 +602,8 @@ def _fields_of_grade(
         "limits": _table(named_grade.limits),
         "roll_friction": named_grade.friction,
         "drum_friction": named_grade.drum_friction,
+        # 0 replaces the coefficient of a previous grade
+        **{name: getattr(named_grade, name) or 0.0 for name in OF_WEB},
     }
     roll, air = fields.get("roll"), fields.get("air")
     if isinstance(roll, Mapping):

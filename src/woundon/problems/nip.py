@@ -21,10 +21,11 @@ from .bodies import AnyBody, Body, Cylinder, Rigid
 from .consistency import different_moduli
 from .contact_problem import ContactProblem
 from .fields import Nested, Number, OptionalNested, OptionalNumber, default
+from .finished_roll import OF_FINISHED_ROLL
 from .materials import material
 from .next_nip import NextNips
 from .permitted import Conditional
-from .problem import OF_FINISHED_ROLL, only_in
+from .problem import only_in
 from .stack import Stack
 from .web import Web, WebDensity, centrifugal_stress
 
@@ -199,7 +200,7 @@ class NipProblem(ContactProblem):
         **only_in("WindingProblem", "gauge_excess", "caliper_pressure"),
         **only_in("WindingProblem", "thickness_profile", "oscillation"),
         **only_in("WindingProblem", "drum_bending", "core_bending", "inertia"),
-        **only_in("RollProblem", *OF_FINISHED_ROLL),
+        **only_in("RollProblem or WindingProblem", *OF_FINISHED_ROLL),
         **only_in("RollerProblem", "motion"),
     }
 

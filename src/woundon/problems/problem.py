@@ -11,21 +11,7 @@ from .grades import Grade, changes_of_grade, grade, warn_of_contradictions, with
 from .inputs import Inputs
 from .paths import Faults
 
-__all__ = ["OF_FINISHED_ROLL", "Problem", "only_in"]
-
-# Fields of a RollProblem: changes after winding.
-OF_FINISHED_ROLL = (
-    "temperature_change",
-    "tangential_expansion",
-    "radial_expansion",
-    "core_expansion",
-    "moisture_change",
-    "tangential_swelling",
-    "radial_swelling",
-    "core_swelling",
-    "core_shrinkage",
-    "core_removed",
-)
+__all__ = ["Problem", "only_in"]
 
 
 def only_in(kind: str, *names: str) -> dict[str, str]:

@@ -4,26 +4,39 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import InitVar
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from ..errors import InvalidProblem, one_of
-from ..quantities import Quantity, length, pure, share, strain, stress, tension, thickness_of_web
+from ..errors import InvalidProblem
+from ..quantities import length, share, stress, tension, thickness_of_web
 from .air_law import AirBetween
 from .assumptions import of_roll
 from .description import Description
-from .fields import Flag, Nested, Number, OptionalNested, OptionalNumber, default
+from .fields import Nested, Number, OptionalNested, OptionalNumber, default
+from .finished_roll import (
+    CoreExpansion,
+    CoreRemoved,
+    CoreShrinkage,
+    CoreSwelling,
+    FinishedRollProblem,
+    MoistureChange,
+    RadialExpansion,
+    RadialSwelling,
+    TangentialExpansion,
+    TangentialSwelling,
+    TemperatureChange,
+)
+from .free_strains import OF_WEB
 from .materials import Isotropic, OptionalMaterial
 from .messages import quote
 from .permitted import Conditional, is_within
-from .problem import Problem, only_in
+from .problem import only_in
 from .radial_laws import Pfeiffer, RadialLaw
 from .schedules import (
     Curve,
     Profile,
-    Schedule,
     Taper,
     WindingSchedule,
     misfits_on_roll,
@@ -41,9 +54,7 @@ __all__ = ["Core", "GaugeExcess", "RollProblem"]
 
 # The layers are a continuum, which needs many of them; above a million the web is no paper or film.
 FEWEST_LAYERS, MOST_LAYERS = 10, 1e6
-OF_CORE = "core_shrinkage", "core_expansion", "core_swelling"
 MOST_COMPRESSED = 0.5  # strain under the caliper pressure; small strains end far below
-PER_KELVIN = 1e-2  # larger than the thermal expansion of any solid
 
 # Field of rolls and windings.
 GaugeExcess = Annotated[
@@ -51,42 +62,6 @@ GaugeExcess = Annotated[
     share("d", "gauge excess: relative additional thickness of the thickest lane"),
     Field(ge=0, le=0.1),
 ]
-
-
-def _expansion(symbol: str, meaning: str) -> Quantity:
-    return Quantity(symbol, "1/K", meaning)
-
-
-def _swelling(symbol: str, meaning: str) -> Quantity:
-    return pure(symbol, f"{meaning}, strain by a moisture content of 1")
-
-
-# Changes of the finished roll by free strains: the largest size of each, and the fields with its
-# coefficients along the web, through the stack and of the core.
-FREE_STRAINS: Mapping[str, tuple[float, tuple[str, str, str]]] = {
-    "temperature_change": (
-        1000.0,
-        ("tangential_expansion", "radial_expansion", "core_expansion"),
-    ),
-    "moisture_change": (1.0, ("tangential_swelling", "radial_swelling", "core_swelling")),
-}
-
-
-class FreeStrain(NamedTuple):
-    """A change of the finished roll over the radius, and the strains by it without stress.
-
-    Attributes
-    ----------
-    change : Curve
-        Of the temperature [K] or of the moisture content [1].
-    along, through, core : float
-        Strains along the web, through the stack and of the core by a change of 1.
-    """
-
-    change: Curve
-    along: float
-    through: float
-    core: float
 
 
 class Core(Description):
@@ -178,7 +153,7 @@ class Core(Description):
         return E / ((1 + nu) * ((1 + s) / (1 - s) - nu * 2 / (1 - s)))
 
 
-class RollProblem(Problem):
+class RollProblem(FinishedRollProblem):
     """The stresses in a roll that is wound layer by layer with a given wound-on tension.
 
     The layers are thin relative to the radius, in plane strain, and obey the law of the stack.
@@ -237,7 +212,7 @@ class RollProblem(Problem):
     True
     """
 
-    graded: ClassVar[tuple[str, ...]] = ("stack", "web_thickness", "density")
+    graded: ClassVar[tuple[str, ...]] = ("stack", "web_thickness", "density", *OF_WEB)
     counterparts: ClassVar[Mapping[str, str]] = {
         "web": "give web_thickness and stack",
         "roll": "give core, radius and stack",
@@ -272,48 +247,22 @@ class RollProblem(Problem):
     caliper_pressure: CaliperPressure = default(None)
     density: WebDensity = default(None)
     web_speed: WebSpeed = default(None)
-    temperature_change: Annotated[
-        Schedule, Quantity("dT", "K", "temperature change of the finished roll", typical=(-40, 40))
-    ] = default(0.0)
-    tangential_expansion: Annotated[
-        Number,
-        _expansion("alpha_t", "thermal expansion along the web"),
-        Field(ge=-PER_KELVIN, le=PER_KELVIN),
-    ] = default(0.0)
-    radial_expansion: Annotated[
-        Number,
-        _expansion("alpha_r", "thermal expansion through the stack"),
-        Field(ge=-PER_KELVIN, le=PER_KELVIN),
-    ] = default(0.0)
-    core_expansion: Annotated[
-        Number,
-        _expansion("alpha_c", "thermal expansion of the core"),
-        Field(ge=-PER_KELVIN, le=PER_KELVIN),
-    ] = default(0.0)
-    moisture_change: Annotated[
-        Schedule, share("dm", "change of the moisture content of the finished roll")
-    ] = default(0.0)
-    tangential_swelling: Annotated[
-        Number, _swelling("beta_t", "swelling along the web"), Field(ge=-10, le=10)
-    ] = default(0.0)
-    radial_swelling: Annotated[
-        Number, _swelling("beta_r", "swelling through the stack"), Field(ge=-10, le=10)
-    ] = default(0.0)
-    core_swelling: Annotated[
-        Number, _swelling("beta_c", "swelling of the core"), Field(ge=-10, le=10)
-    ] = default(0.0)
+    temperature_change: TemperatureChange = default(0.0)
+    tangential_expansion: TangentialExpansion = default(0.0)
+    radial_expansion: RadialExpansion = default(0.0)
+    core_expansion: CoreExpansion = default(0.0)
+    moisture_change: MoistureChange = default(0.0)
+    tangential_swelling: TangentialSwelling = default(0.0)
+    radial_swelling: RadialSwelling = default(0.0)
+    core_swelling: CoreSwelling = default(0.0)
     gauge_excess: GaugeExcess = default(0.0)
     thickness_profile: Annotated[
         OptionalNested[ThicknessProfile],
         Field(description="thickness of the web across its width"),
     ] = default(None)
     oscillation: Oscillation = default(0.0)
-    core_shrinkage: Annotated[
-        Number, strain("e_c", "shrinkage of the core in the finished roll"), Field(ge=-0.1, le=0.1)
-    ] = default(0.0)
-    core_removed: Annotated[
-        Flag, Field(description="the core or mandrel is removed after winding")
-    ] = default(False)
+    core_shrinkage: CoreShrinkage = default(0.0)
+    core_removed: CoreRemoved = default(False)
 
     @model_validator(mode="after")
     def _check_build_up(self) -> Self:
@@ -332,8 +281,7 @@ class RollProblem(Problem):
                 f"{thickest:.4g} [m]: {FEWEST_LAYERS} to {MOST_LAYERS:.0e} layers",
             )
         self._check_tension()
-        self._check_changes()
-        if faults := list(faults_across(self)):
+        if faults := [*self._faults_of_changes(), *faults_across(self)]:
             raise InvalidProblem(faults)
         highest = self._law_of_web.max_pressure
         # 1e7 Pa is the largest caliper pressure that its field admits
@@ -375,30 +323,6 @@ class RollProblem(Problem):
             )
         self._check_centrifugal_force()
 
-    def _check_changes(self) -> None:
-        """Reject changes of the finished roll out of range, or that do not reach its ends."""
-        faults: list[tuple[str, str]] = []
-        for name, (largest, _) in FREE_STRAINS.items():
-            schedule, unit = getattr(self, name), "[K]" if name == "temperature_change" else "[1]"
-            for part, value in values_of(schedule).items():
-                if not abs(value) <= largest:
-                    text = f"must be >= {-largest:g} and <= {largest:g} {unit}"
-                    faults.append((f"{name}{part}", f"{quote(value)} is out of range; {text}"))
-            faults += misfits_on_roll(name, schedule, self.core.radius, self.radius)
-        if faults:
-            raise InvalidProblem(faults)
-
-    @property
-    def free_strains(self) -> tuple[FreeStrain, ...]:
-        """The changes of the finished roll that strain it without stress."""
-        return tuple(
-            FreeStrain(
-                Curve(getattr(self, name), self.core.radius, self.radius),
-                *(getattr(self, coefficient) for coefficient in coefficients),
-            )
-            for name, (_, coefficients) in FREE_STRAINS.items()
-        )
-
     def _check_centrifugal_force(self) -> None:
         """Reject a tension that does not hold the running web on the roll."""
         force = self.centrifugal_tension
@@ -434,16 +358,9 @@ class RollProblem(Problem):
     @property
     def unused(self) -> tuple[str, ...]:
         """See :attr:`.Problem.unused`."""
-        without_effect: list[str] = []
-        for change, (_, coefficients) in FREE_STRAINS.items():
-            if getattr(self, change) == 0:
-                without_effect += coefficients
-            if not self._strains_by(change):
-                without_effect.append(change)
         return (
             "stack.shear_exponent",  # an axisymmetric roll is not sheared
-            *without_effect,
-            *(OF_CORE if self.core_removed else ()),
+            *self._unused_changes,
             *unused_in_tapers(self, ("wound_on_tension",)),
             *(("oscillation",) if self.thickness_profile is None else ()),
             *(("web_speed",) if self.density is None else ()),
@@ -454,37 +371,17 @@ class RollProblem(Problem):
         """Inputs that have no effect or contradict each other, as sentences."""
         return (
             *super().input_warnings,
-            *self._without_effect(),
+            *self._warnings_of_speed(),
+            *self._warnings_of_changes(),
             *self.stack.input_warnings("stack"),
             *warnings_across(self, self.web_thickness),
         )
 
-    def _coefficients_of(self, change: str) -> tuple[str, ...]:
-        """Return the coefficients of layers and core by which a change of the roll strains them."""
-        _, (along, through, core) = FREE_STRAINS[change]
-        return (along, through) if self.core_removed else (along, through, core)
-
-    def _strains_by(self, change: str) -> bool:
-        """Return True if layers or core are strained by a change of temperature or moisture."""
-        return any(getattr(self, name) for name in self._coefficients_of(change))
-
-    def _without_effect(self) -> Iterator[str]:
-        """Yield a warning about each input that has no effect on the roll.
-
-        Those are a speed without density, a change of temperature or moisture without coefficients
-        of expansion, and the values of a core that is removed.
-        """
+    def _warnings_of_speed(self) -> Iterator[str]:
+        """Yield a warning about a speed that changes nothing."""
         if self.web_speed and self.density is None:
             text = f"web_speed = {self.web_speed:.6g} m/s is not used"
             yield f"{text}: without density the centrifugal force of the web is neglected"
-        for change in FREE_STRAINS:
-            if getattr(self, change) != 0 and not self._strains_by(change):
-                zero = self._coefficients_of(change)
-                yield f"{change} is not used, as {one_of(zero, 'and')} are 0"
-        if self.core_removed:
-            for name in OF_CORE:
-                if getattr(self, name):
-                    yield f"{name} is not used, as core_removed = true"
 
     @property
     def _law_of_web(self) -> RadialLaw:

@@ -13,10 +13,11 @@ from .assumptions import of_rollers
 from .bodies import AnyBody, HalfPlane
 from .contact_problem import ContactProblem
 from .fields import Number, OptionalNumber, default
+from .finished_roll import OF_FINISHED_ROLL
 from .materials import material
 from .nip import LEAST_FRICTION, WRAP_TABLE
 from .permitted import Conditional
-from .problem import OF_FINISHED_ROLL, only_in
+from .problem import only_in
 
 __all__ = ["RollerProblem"]
 
@@ -71,7 +72,8 @@ class RollerProblem(ContactProblem):
         **only_in(
             "NipProblem", "next_nips", "web", "web_tension", "air", "width", *WRAP_TABLE["wrap"]
         ),
-        **only_in("RollProblem", "web_thickness", "wound_on_tension", *OF_FINISHED_ROLL),
+        **only_in("RollProblem", "web_thickness", "wound_on_tension"),
+        **only_in("RollProblem or WindingProblem", *OF_FINISHED_ROLL),
         **only_in("WindingProblem", "torque_split", "roll_body", "tension_law", "limits"),
         **only_in("WindingProblem", "nip_induced_tension", "winder"),
         **only_in("WindingProblem", "density", "gauge_excess", "caliper_pressure"),

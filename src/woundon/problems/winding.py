@@ -19,6 +19,21 @@ from .bodies import Body, OptionalBody, Rigid
 from .consistency import different_moduli
 from .contact_problem import unused_speed
 from .fields import Nested, Number, OptionalNested, OptionalNumber, default
+from .finished_roll import (
+    OF_FINISHED_ROLL,
+    CoreExpansion,
+    CoreRemoved,
+    CoreShrinkage,
+    CoreSwelling,
+    FinishedRollProblem,
+    MoistureChange,
+    RadialExpansion,
+    RadialSwelling,
+    TangentialExpansion,
+    TangentialSwelling,
+    TemperatureChange,
+)
+from .free_strains import OF_WEB
 from .inertia import Inertia
 from .limits import Limits
 from .materials import Material, material
@@ -38,7 +53,7 @@ from .nip import (
 )
 from .paths import field_or_none, field_quantity
 from .permitted import Conditional, in_brackets, is_within
-from .problem import OF_FINISHED_ROLL, Problem, only_in
+from .problem import only_in
 from .radial_laws import Pfeiffer
 from .roll import FEWEST_LAYERS, Core, GaugeExcess, RollProblem
 from .schedules import (
@@ -122,7 +137,7 @@ else:
     TensionLaw = Annotated[Literal["nip", "friction", "fixed"] | Profile, BeforeValidator(_law)]
 
 
-class WindingProblem(Problem):
+class WindingProblem(FinishedRollProblem):
     """The winding of a roll: nip and roll coupled over the radius.
 
     Parameters
@@ -175,6 +190,10 @@ class WindingProblem(Problem):
     core_bending : Bending, optional
         Bending of the core, with the roll on it, under the nip load; as ``drum_bending``, without a
         winder.
+    temperature_change, tangential_expansion, radial_expansion, core_expansion, moisture_change,
+    tangential_swelling, radial_swelling, core_swelling, core_shrinkage, core_removed
+        Changes of the finished roll, as of :class:`~woundon.RollProblem`.  They do not affect nips
+        and wound-on tension.
     web_speed : float, optional
         V [m/s], needed with air or a viscoelastic drum, and for torque and power of the drives.
         With the density the web carries its centrifugal force m V^2 in nips and roll; the finished
@@ -213,6 +232,7 @@ class WindingProblem(Problem):
         "drum_friction",
         "density",
         "limits",
+        *OF_WEB,
     )
     counterparts: ClassVar[Mapping[str, str]] = {
         "roll": "give core, radius and stack",
@@ -221,7 +241,6 @@ class WindingProblem(Problem):
         "tangential_load": "give winding_force or torque_split",
         "lower": "give drum",
         "next_nips": "give winder, whose drums are further nips",
-        **only_in("RollProblem", *OF_FINISHED_ROLL),
         **only_in("RollerProblem", "upper", "creepage", "motion"),
     }
 
@@ -301,6 +320,16 @@ class WindingProblem(Problem):
         Field(description="bending of the core with the roll"),
         Conditional("only with thickness_profile"),
     ] = default(None)
+    temperature_change: TemperatureChange = default(0.0)
+    tangential_expansion: TangentialExpansion = default(0.0)
+    radial_expansion: RadialExpansion = default(0.0)
+    core_expansion: CoreExpansion = default(0.0)
+    moisture_change: MoistureChange = default(0.0)
+    tangential_swelling: TangentialSwelling = default(0.0)
+    radial_swelling: RadialSwelling = default(0.0)
+    core_swelling: CoreSwelling = default(0.0)
+    core_shrinkage: CoreShrinkage = default(0.0)
+    core_removed: CoreRemoved = default(False)
     limits: Annotated[Nested[Limits], Field(description="limits of web, roll and core")] = default(
         Limits()
     )
@@ -465,6 +494,7 @@ class WindingProblem(Problem):
         texts = [
             *super().input_warnings,
             *different_moduli(self.web, "stack", self.stack),
+            *self._warnings_of_changes(),
             *self.stack.input_warnings("stack"),
             *warnings_across(self, self.web.thickness),
         ]
@@ -770,12 +800,19 @@ class WindingProblem(Problem):
         return {"next_nips": nips, "roll_wrap": sum(nip.angle for nip in nips) + last_arc}
 
     def wound_roll(
-        self, wound_on_tension: AnySchedule, film: float = 0.0, *, rotates: bool = True
+        self,
+        wound_on_tension: AnySchedule,
+        film: float = 0.0,
+        *,
+        rotates: bool = True,
+        changes: bool = True,
     ) -> RollProblem:
         """Return the roll for a wound-on tension [N/m] and an air film [m] between its layers.
 
-        It carries the centrifugal force of the web, if that is known, unless ``rotates`` is False.
+        It carries the centrifugal force of the web, if that is known, unless ``rotates`` is False,
+        and has the changes after winding unless ``changes`` is False.
         """
+        after_winding = {name: getattr(self, name) for name in OF_FINISHED_ROLL} if changes else {}
         roll = RollProblem(
             core=self.core,
             radius=self.radius,
@@ -786,6 +823,7 @@ class WindingProblem(Problem):
             density=self.density,
             web_speed=self.web_speed if rotates and self.density is not None else None,
             gauge_excess=self.gauge_excess,
+            **after_winding,
         )
         if self.air is None:
             return roll
@@ -803,6 +841,7 @@ class WindingProblem(Problem):
         hardens = solves_nips and self.roll_body == "direct"
         return (
             "web.material.shear_exponent",
+            *self._unused_changes,
             *unused_in_tapers(self, SCHEDULES),
             *(() if hardens else ("stack.shear_exponent",)),
             *(() if self.torque_split is None else ("winding_force",)),

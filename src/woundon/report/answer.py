@@ -46,6 +46,8 @@ def answer_lines(result: Result, full: bool = True) -> list[Line]:
         from .winder_report import drum_sentences
 
         names = [name for name in result.MAIN if name != "least_hoop_stress"]  # it is a margin
+        if result.problem.core_removed:
+            names = ["mean_wound_on_tension", *OFF_CORE]
         further = map(Line, drum_sentences(result))
         return [*verdict_lines(result.margins), Line(_values(result, names)), *further]
     main = main_outputs(result)

@@ -8,11 +8,14 @@ from math import isnan
 import numpy as np
 
 from ..errors import InvalidProblem
+from ..problems.finished_roll import FinishedRollProblem
+from ..problems.free_strains import FREE_STRAINS
 from ..problems.radial_laws import Pfeiffer
 from ..quantities import in_chosen_units, length, line_load, strain, stress, value_of
 from ..roll.gauge_band import gauge_band_over
 from ..roll.result import RollResult
 from ..roll.theories import plateau_pressure
+from ..winding.result import WindingResult
 from .lanes_report import WORST_LANE, lanes_sections
 from .outputs_report import rows_of
 from .report_parts import (
@@ -27,7 +30,14 @@ from .report_parts import (
     schedule_rows,
 )
 
-__all__ = ["ROLL", "roll_report", "thin_layers_note"]
+__all__ = [
+    "OFF_CORE",
+    "ROLL",
+    "changes_sections",
+    "off_core_sections",
+    "roll_report",
+    "thin_layers_note",
+]
 
 # in other rows
 WEIGHT = ["weight_pressure", "weight_share", "flat_width"]
@@ -65,8 +75,6 @@ NAMES = [
     "finite_layer_effect",
 ]
 OF_DENSITY = frozenset({"mass", "wound_mass", "mean_density"})
-# changes of the finished roll that are not zero
-CHANGES = ("temperature_change", "moisture_change")
 
 
 def roll_report(result: RollResult) -> list[Part]:
@@ -81,13 +89,6 @@ def roll_report(result: RollResult) -> list[Part]:
         left_out = left_out | {"core_pressure"}
     # a stress at core and surface, as a tension per width
     tensions = problem.tension_curve.at(r[[0, -1]]) * problem.web_thickness
-    changes = [
-        row
-        for name, strain_by in zip(CHANGES, problem.free_strains, strict=True)
-        if getattr(problem, name)
-        for row in schedule_rows(problem, name, strain_by.change.at(r[[0, -1]]))
-    ]
-    changes += rows_of_given(problem, "core_shrinkage")
     notes = {
         "peak_pressure": _location(r[np.argmax(result.pressure)]),
         "least_hoop_stress": _location(r[np.argmin(hoop)]),
@@ -108,8 +109,8 @@ def roll_report(result: RollResult) -> list[Part]:
             rows_of(result, names, leave=left_out, **notes),
             thin_layers_note(result) + _compression_note(result),
         ),
-        *([Section("Changes of the finished roll", tuple(changes))] if changes else []),
-        *_off_core(result),
+        *changes_sections(problem),
+        *off_core_sections(result, result),
         *_weight(result),
         *_gauge_band(result),
         *lanes_sections(result),
@@ -138,10 +139,27 @@ def _compression_note(result: RollResult) -> str:
     return f" Hoop compression on {100 * share:.3g} % of the build-up." if share else ""
 
 
-def _off_core(result: RollResult) -> Iterator[Section]:
-    """Yield the section of a roll that has left its core, or whose layers have separated."""
-    has_open_layers = bool((result.opening > 0).any())
-    if not (result.is_off_core or has_open_layers):
+def changes_sections(problem: FinishedRollProblem) -> Iterator[Section]:
+    """Yield the section of the changes of the finished roll that are not zero."""
+    ends = np.array([problem.core.radius, problem.radius])
+    changes = [
+        row
+        for name, strain_by in zip(FREE_STRAINS, problem.free_strains, strict=True)
+        if getattr(problem, name)
+        for row in schedule_rows(problem, name, strain_by.change.at(ends))
+    ]
+    changes += rows_of_given(problem, "core_shrinkage")
+    if changes:
+        yield Section("Changes of the finished roll", tuple(changes))
+
+
+def off_core_sections(result: RollResult | WindingResult, roll: RollResult) -> Iterator[Section]:
+    """Yield the section of a roll that has left its core, or whose layers have separated.
+
+    ``result`` is the roll or its winding, whose outputs are shown.
+    """
+    has_open_layers = bool((roll.opening > 0).any())
+    if not (roll.is_off_core or has_open_layers):
         return
     known = [name for name in OFF_CORE if not isnan(value_of(result, name))]
     texts = [
@@ -153,7 +171,7 @@ def _off_core(result: RollResult) -> Iterator[Section]:
             "and collapse without slip if that of bonded layers exceeds 1; in between, friction "
             "decides."
         )
-    title = "Off the core" if result.is_off_core else "Separated layers"
+    title = "Off the core" if roll.is_off_core else "Separated layers"
     rows = tuple(output_row(result, name) for name in known)
     yield Section(title, rows, " ".join(texts))
 

@@ -21,7 +21,13 @@ from .report_parts import (
     rows_of_given,
     schedule_rows,
 )
-from .roll_report import ROLL, thin_layers_note
+from .roll_report import (
+    OFF_CORE,
+    ROLL,
+    changes_sections,
+    off_core_sections,
+    thin_layers_note,
+)
 from .trade_rule import winding_trade_rule
 from .winder_report import winder_parts
 
@@ -70,6 +76,9 @@ LEFT_OUT = frozenset(
         *(f"margins.{name}" for name in TITLES),
         "lane_count",
         "even_crown",
+        "bore_hoop_stress",
+        "bore_displacement",
+        *OFF_CORE,
         *WORST_LANE,
         *DRIVE_OUTPUTS,
     }
@@ -106,6 +115,11 @@ def winding_report(result: WindingResult) -> list[Part]:
     mass = ["mass"] if problem.density is not None else []
     air = ["air_film"] if problem.air is not None else []
     ridge = ["ridge_height"] if problem.gauge_excess else []
+    of_roll, left_out = ROLL, LEFT_OUT
+    if problem.is_changed:
+        of_roll = [*ROLL, "bore_hoop_stress", "bore_displacement"]
+    if problem.core_removed:  # without a core there is no pressure on it
+        of_roll, left_out = of_roll[1:], LEFT_OUT | {"core_pressure"}
     return [
         *([Line(summary, "quiet")] if summary else []),
         Section(
@@ -123,9 +137,11 @@ def winding_report(result: WindingResult) -> list[Part]:
         *([winding_trade_rule(result)] if problem.has_nip else []),
         Section(
             "Wound roll",
-            rows_of(result, ROLL + mass + air + ridge, leave=LEFT_OUT),
+            rows_of(result, of_roll + mass + air + ridge, leave=left_out),
             thin_layers_note(result.roll),
         ),
+        *changes_sections(problem),
+        *off_core_sections(result, result.roll),
         *lanes_sections(result),
         margins_part(result.margins),
     ]

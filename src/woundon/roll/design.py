@@ -29,7 +29,7 @@ from ..problems.roll import RollProblem
 from ..problems.schedules import Profile, Schedule
 from ..quantities import stress
 from .equations import StageData, StageSolution, interpolate_pressure
-from .finished import FinalChanges, equations_of
+from .finished import equations_of
 from .stage_nodes import evaluate_in_cells, nodes_between
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def design_tension(
     """
     check_type("problem", problem, RollProblem)
     tolerance("rtol", rtol, 1e-6, 1e-2)
-    if FinalChanges(problem) or problem.core_removed:
+    if problem.is_changed:
         raise InvalidProblem.at(
             "problem",
             "changes after winding; must be a roll as wound: temperature_change, "

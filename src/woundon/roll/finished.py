@@ -120,11 +120,6 @@ class FinalChanges:
         kinks = [change.kinks for change in profiles]
         self.kinks = np.log(np.unique(np.concatenate(kinks))) if kinks else np.zeros(0)
 
-    def __bool__(self) -> bool:
-        """Return True if there are any changes."""
-        some = any((s.along or s.through) and s.change.schedule != 0 for s in self.strains)
-        return bool(self.core or some)
-
     def along(self, r: Array) -> Array:
         """Return the free strain e_t along the web at radii [1]."""
         return np.asarray(sum(s.along * s.change.at(r) for s in self.strains))

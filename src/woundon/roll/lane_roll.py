@@ -106,6 +106,8 @@ class LaneRoll:
         Largest error estimate of a stage, relative to kappa + 2 and to the mean tension.
     errors : mapping of str to float
         Estimated errors of the worst values, by the name of the output [SI].
+    warnings : tuple of str
+        Warnings about the lanes.
     """
 
     lanes: Lanes
@@ -121,6 +123,7 @@ class LaneRoll:
     stage_error: float
     further: Mapping[str, Array] = field(default_factory=dict)
     errors: Mapping[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
 
     @property
     def arrays(self) -> dict[str, Array]:

@@ -235,7 +235,7 @@ def wind_lanes(
             if stage is None or error > tolerance:
                 step = length * max(0.2, step_factor(tolerance / error) if stage else 0.2)
                 if step < SMALLEST_STEP:
-                    raise NotWoundError(no_stage_beyond(roll.x))
+                    raise NotWoundError(_no_stage_beyond(roll.x))
                 if stage is None or step > KINK_STEP * surface_layer:
                     continue
                 # a lane that becomes slack or taut, or the discretisation error of the nodes
@@ -247,7 +247,7 @@ def wind_lanes(
             roll.last = stage
             step = length * min(LONGEST_GROWTH, step_factor(tolerance / max(error, 1e-99)))
             if roll.last.curves.x.size > MAX_STAGES:
-                raise NotWoundError(no_stage_beyond(roll.x))
+                raise NotWoundError(_no_stage_beyond(roll.x))
         step = max(step, remaining)
         if number in kinks:
             roll.last.curves.start_new_polynomial()
@@ -293,7 +293,7 @@ class _Lanes:
         start, zero = float(reference.growth.x[0]), np.zeros(lanes.share.size)
         on_core = tension_at(start, zero, zero, zero + 1)
         if on_core is None:
-            raise NotWoundError(no_stage_beyond(start))
+            raise NotWoundError(_no_stage_beyond(start))
         values = np.concatenate([zero, on_core.wound_on, zero, on_core.web, *on_core.load])
         self.T_c = float(tension.at(np.array([exp(start)]))[0])
         self.core_tension = self.T_c * on_core.wound_on
@@ -564,3 +564,12 @@ def stage_data(X: Array, source: CellSource, tension: Array) -> StageData:
     lanes, nodes = X.shape
     gaps = nodes * np.arange(1, lanes) - 1
     return StageData(X.ravel(), CellSource(*map(_joined, source)), tension, gaps=gaps)
+
+
+def _no_stage_beyond(x: float) -> str:
+    """Return the message for a stage of lanes, beyond ln r = x, that cannot be solved."""
+    return (
+        f"no stage beyond the radius {exp(x):.6g} m can be solved, though the roll of the mean web "
+        "can: thickness, slack or nip load vary too much between the lanes; even the profile out, "
+        "oscillate the web, or choose a crown closer to that of an even load (even_crown)"
+    )

@@ -17,7 +17,7 @@ from ..results import Residuals
 from .certificate import certificate
 from .collapse import BONDED, SLIDING, collapse_loads
 from .density import density_during_winding, finished_density, volume, wound_length, wound_mass
-from .finished import FinalChanges, core_gap, opening
+from .finished import core_gap, opening
 from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .lane_roll import LANES, LaneRoll
 from .roll_fields import RollFields
@@ -128,7 +128,7 @@ class RollResult(RollFields):
     @property
     def is_changed(self) -> bool:
         """True if the finished roll differs from the roll as wound."""
-        return self.problem.core_removed or bool(FinalChanges(self.problem))
+        return self.problem.is_changed
 
     @cached_property
     def as_wound(self) -> Stage:

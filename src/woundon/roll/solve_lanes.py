@@ -297,8 +297,7 @@ def _finished(
     solved, _ = found
     P, Q = solved.P.reshape(P.shape), solved.Q.reshape(P.shape)
     loosest = np.unravel_index(np.argmin(P), P.shape)
-    changed = bool(changes) or problem.core_removed
-    if changed and P[loosest] < -ROUNDING * float(np.max(P)):
+    if problem.is_changed and P[loosest] < -ROUNDING * float(np.max(P)):
         place = f"the lane at {lanes.position[loosest[0]]:.4g} m across the web"
         raise NotConverged(
             f"the layers of {place} separate: the changes after winding reduce the pressure to zero"

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
+from ..problems.finished_roll import UNCHANGED
 from ..problems.messages import quote
 from ..problems.permitted import is_within
 from ..problems.roll import FEWEST_LAYERS, RollProblem
@@ -115,10 +116,7 @@ def stage_arrays(result: RollFields, radius: float) -> dict[str, Any]:
         radius=surface,
         wound_on_tension=_schedule_until(problem, surface),
         # the changes after winding do not apply to a stage
-        temperature_change=0.0,
-        moisture_change=0.0,
-        core_shrinkage=0.0,
-        core_removed=False,
+        **UNCHANGED,
     )
     arrays = finished_arrays(stage, x, growth, solved)
     layer_growth = result.layer_kappa.truncate(growth.x[-1]).kappa
@@ -126,7 +124,12 @@ def stage_arrays(result: RollFields, radius: float) -> dict[str, Any]:
 
 
 def stages_at(
-    result: RollFields, radii: Sequence[float], cells: int | None = None, *, at_rest: bool = False
+    result: RollFields,
+    radii: Sequence[float],
+    cells: int | None = None,
+    *,
+    at_rest: bool = False,
+    as_wound: bool = False,
 ) -> list[Stage]:
     """Return the pressure at stages of the build-up, without residuals and error estimates.
 
@@ -140,6 +143,9 @@ def stages_at(
         there are about as many cells as in the result.
     at_rest : bool
         True for the roll stopped at these stages; by default it runs.
+    as_wound : bool
+        True for the whole roll before its changes after winding, as further layers or a nip meet
+        it; by default the whole roll at rest is the finished one.
     """
     curve, core, R = result.problem.tension_curve, result.problem.core.radius, result.problem.radius
     if cells is None:
@@ -147,8 +153,9 @@ def stages_at(
     equations = equations_of(result.problem)
     if at_rest:
         equations = equations.at_rest
-    # the finished roll is at rest
-    solved = sorted({radius for radius in radii if radius != R or equations.centrifugal})
+    # the finished roll is at rest and changed
+    differs = bool(equations.centrifugal) or (as_wound and result.problem.is_changed)
+    solved = sorted({radius for radius in radii if radius != R or differs})
     solutions = dict(zip(solved, _solve_stages(result, equations, solved, cells), strict=True))
     tensions = curve.at(np.array(radii)) * float(result.problem.web_thickness)
     c = equations.centrifugal

@@ -8,8 +8,9 @@ import numpy as np
 
 from ..arguments import check_type, whole_number
 from ..errors import InvalidProblem
+from ..problems.free_strains import FREE_STRAINS
 from ..problems.radial_laws import Constant
-from ..problems.roll import FREE_STRAINS, RollProblem
+from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
 from ..problems.stack import Stack
 from .finished import FinalChanges, equations_of

@@ -20,13 +20,19 @@ from .drives import drive_radii, drives_of
 from .drum_nips import drum_nips
 from .nips import Nips
 from .result import WindingResult
-from .roll import recomputed
+from .roll import recomputed, wind
 
 __all__ = ["assemble_result"]
 
 Array = np.ndarray
 
-ROLL_OUTPUTS = "core_pressure", "mid_pressure", "least_hoop_stress"
+ROLL_OUTPUTS = (
+    "core_pressure",
+    "mid_pressure",
+    "least_hoop_stress",
+    "bore_hoop_stress",
+    "bore_displacement",
+)
 
 
 def assemble_result(
@@ -51,7 +57,7 @@ def assemble_result(
     r, tension : (M,) arrays
         Radii [m], wound-on tension there [N/m].
     roll : ThinLayerRoll
-        The roll of this tension.
+        The roll of this tension, without the changes after winding.
     nips : Nips
     interpolation : (float, float)
         Relative interpolation errors of the tension between the nips, and near the core.
@@ -64,7 +70,10 @@ def assemble_result(
     """
     loads: dict[str, Any] = {name: problem.at(name, r) for name in LOADS}
     samples = nips.from_core_to_surface()
-    wound = roll.with_finite_layers()
+    finished = roll
+    if problem.is_changed:
+        finished = wind(problem, r, tension, rtol, film)
+    wound = finished.with_finite_layers()
     of_drives = drive_radii(problem)
     drives: dict[str, Any] = drives_of(problem, of_drives, film)
     result = WindingResult(
@@ -98,9 +107,10 @@ def assemble_result(
     )
     if curved is None:
         return result.replace(errors=_errors(result, {}))
-    curved_roll = recomputed(problem, roll, r, curved, film).result
+    curved_roll = recomputed(problem, finished, r, curved, film).result
     first_layers = {
-        name: abs(getattr(curved_roll, name) - getattr(roll.result, name)) for name in ROLL_OUTPUTS
+        name: abs(getattr(curved_roll, name) - getattr(finished.result, name))
+        for name in ROLL_OUTPUTS
     }
     return result.replace(errors=_errors(result, first_layers))
 

@@ -198,7 +198,8 @@ def recomputed_nips(result: WindingFields) -> Mapping[str, tuple[Array, Array]]:
         again.append(solved)
         rows.append((*outputs, nips.films[radius], solved.without_air.roll_friction))
         if problem.roll_body == "effective" and smooth is None:
-            pressures.append(effective_pressure(stages_at(roll, [radius])[0], *outputs))
+            stage = stages_at(roll, [radius], as_wound=True)[0]
+            pressures.append(effective_pressure(stage, *outputs))
     names = "wound_on_tension", "half_width", "peak_pressure", "air_film", "friction"
     within = max(FACTOR * result.coupling_rtol, LEAST_DIFFERENCE)
     values = {
@@ -223,5 +224,5 @@ def _roll_body(problem: WindingProblem, radius: float, P_e: float, roll: RollRes
     if problem.roll_body == "effective":
         return effective_cylinder(problem, radius, P_e)
     if problem.roll_body == "direct":
-        return hardening_roll(problem, stages_at(roll, [radius])[0])
+        return hardening_roll(problem, stages_at(roll, [radius], as_wound=True)[0])
     return linear_cylinder(problem, radius)

@@ -7,8 +7,10 @@ the load N of the winding, with f = P/N,
     ln(delta/delta_N) and (A - A_N)/(mu+ N)    are functions of ln f and f
 
 that vary little over the radius and are interpolated in ln(r - r_c).  Monotone cubics pass through
-the samples; beyond them P is a power of delta, and A is linear.  Without load A = 0.  The winding
-force is shared like the load.
+the samples; below them P is a power of delta.  Without load A = 0.  The winding force is shared
+like the load.  Where lanes carry more than twice the mean load, further loads are solved, up to
+MOST_LOAD times the mean; beyond those that have a steady state P is a power of delta and A is
+linear, and a warning says so.
 
 The nips of a two-drum winder add the tension A together.  The load of each nip is changed alone,
 and the changes of A are added,
@@ -27,8 +29,8 @@ all lanes, and their load is not shared.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -42,7 +44,7 @@ from ..problems.bending import Bending, DrumBending
 from ..problems.bodies import Body
 from ..problems.paths import field_or_none
 from ..problems.thickness_profile import Lanes
-from ..roll.lane_roll import LaneRoll
+from ..roll.lane_roll import NIP_LOADS, LaneRoll
 from ..roll.lane_tension import DrumsAcross, TensionOfLanes, tension_in_nips, tension_of_web
 from ..roll.lanes import TensionAt
 from ..roll.result import RollResult
@@ -53,13 +55,15 @@ from .nips import PRESSURE_TOLERANCE
 from .roll import wind
 from .winding_fields import WindingFields
 
-__all__ = ["NipAtRadius", "NipsOfWinding", "lanes_of_winding"]
+__all__ = ["NipAtRadius", "NipsOfWinding", "lanes_of_winding", "largest_load"]
 
 Array = np.ndarray
 
 RADII = 5  # at which the nip is solved under other loads, of those of the winding
-# Loads relative to that of the winding.  Half and double enclose the loads of usual ridges.
+# Loads relative to that of the winding.  Half and double enclose the loads of usual ridges; steeper
+# ones and crowns need further doublings.
 LOADS = (0.5, 1.0, 2.0)
+MOST_LOAD, LOAD_RESERVE = 16.0, 1.25  # LOAD_RESERVE: the loads change a little with the samples
 LIGHT = 0.1  # smallest load of one of several nips
 # Beams: field of the winding, nip that loads it, name of its deflection.
 BEAMS = (
@@ -158,12 +162,30 @@ class NipsOfWinding:
     result : WindingResult
     roll : RollResult
         Its roll.
+    largest : float
+        Largest load of a lane relative to the mean, up to which nips are solved.
+
+    Attributes
+    ----------
+    sampled : tuple of float
+        Loads of the samples, relative to N.
+    samples : tuple, optional
+        See :meth:`_samples`; None without solved nips.
     """
 
-    def __init__(self, result: WindingFields, roll: RollResult) -> None:
+    def __init__(self, result: WindingFields, roll: RollResult, largest: float = LOADS[-1]) -> None:
         self.result, self.problem, self.roll = result, result.problem, roll
         self.core = float(self.problem.core.radius)
+        loads = LOADS if self.problem.winder is None else (LIGHT, *LOADS)
+        while loads[-1] < min(largest, MOST_LOAD):
+            loads = (*loads, 2 * loads[-1])
+        self.sampled = loads
         self.samples = self._samples() if self.problem.solves_nips else None
+
+    @property
+    def solved_up_to(self) -> float:
+        """Largest load of all samples that has a steady state at all radii, relative to N."""
+        return np.inf if self.samples is None else float(self.samples[1][..., -1].min())
 
     def web_tension(self, r: Array) -> Array:
         """Return T_in at radii [N/m]."""
@@ -248,24 +270,21 @@ class NipsOfWinding:
         names = [name for _, _, name in self._beams]
         return dict(zip(names, drums.deflection(loads), strict=True))
 
-    @property
-    def _sampled(self) -> tuple[float, ...]:
-        """Loads of the samples, relative to N."""
-        return LOADS if self.problem.winder is None else (LIGHT, *LOADS)
-
     def nips(self, radius: float, added: float) -> list[NipAtRadius]:
         """Return the nips at a radius [m], which add a tension together [N/m]."""
         assert self.samples is not None
         radii, values, friction = self.samples
         places = np.log(radii - self.core)
         x = np.clip(np.log(max(radius - self.core, 1e-12)), places[0], places[-1])
-        count = len(self._sampled)
+        count = len(self.sampled)
+        fade = self._fade(radius, added)
         loads = self.nip_loads(np.array([radius]))[:, 0].tolist()
         nips = []
         for k, load in enumerate(loads):
             # interpolated from the values that _samples returns
             row = np.array([np.interp(x, places, column) for column in values[:, k].T])
-            log_compliance, log_approach, change = row[0], row[1 : 1 + count], row[1 + count :]
+            log_compliance, log_approach = row[0], row[1 : 1 + count]
+            change = fade * row[1 + count : 1 + 2 * count]
             force = float(np.interp(x, places, friction)) * load
             # one nip adds nothing without load; the others of several add more without this one
             unloaded = -added / force if len(loads) == 1 else change[0]
@@ -277,10 +296,34 @@ class NipsOfWinding:
                     added_at_load=added if k == 0 else 0.0,
                     added_change=np.array([unloaded, *change]),
                     friction_force=force,
-                    sampled=self._sampled,
+                    sampled=self.sampled,
                 )
             )
         return nips
+
+    def _fade(self, radius: float, added: float) -> float:
+        """Return the factor of the changes of A between the core and the first solved nip [1].
+
+        On the first layers the nips add less, and nothing on the core of a roll without layers.
+        The changes by another load decrease like A_N itself, so that A is 0 without load and does
+        not overshoot between.
+
+        Parameters
+        ----------
+        radius : float
+            [m].
+        added : float
+            A_N at this radius [N/m].
+        """
+        first = float(self.result.nip_radius[0])
+        if radius >= first:
+            return 1.0
+        loads = [
+            np.interp(first, self.result.radius, each)
+            for each in (self.result.wound_on_tension, self.result.web_tension)
+        ]
+        at_first = float(loads[0] - loads[1])
+        return float(np.clip(added / at_first, 0.0, 1.0)) if at_first else 1.0
 
     def _samples(self) -> tuple[Array, Array, Array]:
         """Return the nips solved under further loads at a few radii.
@@ -289,8 +332,9 @@ class NipsOfWinding:
         -------
         (m,) array
             The radii [m].
-        (m, K, 1 + 2 n) array
-            Of each of K nips ln(delta/N), and at n loads ln(delta/delta_N) and (A - A_N)/(mu+ N).
+        (m, K, 2 + 2 n) array
+            Of each of K nips ln(delta/N), at n loads ln(delta/delta_N) and (A - A_N)/(mu+ N), and
+            the largest of these loads that has a steady state, relative to N.
         (m,) array
             mu+ with the entrained air.
         """
@@ -303,7 +347,7 @@ class NipsOfWinding:
         return radii[chosen], np.array(rows), friction
 
     def _row(self, radius: float, friction: float) -> Array:
-        """Return the values of :meth:`_samples` at one radius, (K, 1 + 2 n).
+        """Return the values of :meth:`_samples` at one radius, (K, 2 + 2 n).
 
         The nips are solved under all loads of one of them at a time; a load without a steady state
         is left out.  ``friction`` is mu+ with the entrained air.
@@ -314,21 +358,22 @@ class NipsOfWinding:
         rows = []
         for k, load in enumerate(loads):
             values = []  # approach of nip k, and tension added by all nips, at each of its loads
-            for fraction in self._sampled:
+            for fraction in self.sampled:
                 fractions = tuple(fraction if j == k else 1.0 for j in range(len(loads)))
                 if fractions not in solved:
                     solved[fractions] = self._sample(radius, friction, fractions, last)
                     last = solved[fractions] or last
                 values.append(_approach_and_added(solved[fractions], k))
             delta, added = np.array(values).T
-            middle = self._sampled.index(1.0)
+            middle = self.sampled.index(1.0)
             log_approach = np.log(delta / delta[middle])
             change = (added - added[middle]) / (friction * load)
             rows.append(
                 [
                     np.log(delta[middle] / load),
-                    *_completed(np.log(self._sampled), log_approach),
-                    *_completed(np.array(self._sampled), change),
+                    *_completed(np.log(self.sampled), log_approach),
+                    *_completed(np.array(self.sampled), change),
+                    np.array(self.sampled)[~np.isnan(delta)].max(),
                 ]
             )
         return np.array(rows)
@@ -352,7 +397,9 @@ class NipsOfWinding:
             A solution for a warm start.
         """
         problem, solve = self.problem, partial(self._solve, radius, friction, fractions)
-        stage = None if problem.roll_body == "linear" else stages_at(self.roll, [radius])[0]
+        stage = None
+        if problem.roll_body != "linear":
+            stage = stages_at(self.roll, [radius], as_wound=True)[0]
         with_air = problem.replace(stack=self.roll.problem.stack)
         try:
             return solved_nip(with_air, radius, stage, None, last, solve, PRESSURE_TOLERANCE)
@@ -441,5 +488,38 @@ def lanes_of_winding(result: WindingFields, rtol: float, count: int) -> LaneRoll
     """
     arrays = result.radius, result.wound_on_tension
     roll = wind(result.problem, *arrays, rtol, result.air_film, rotates=False)
-    lanes = lanes_of(roll, result.problem, rtol, count, NipsOfWinding(result, roll.result))
+
+    def lanes_with(nips: NipsOfWinding) -> LaneRoll:
+        """Return the lanes with the nips solved under some loads."""
+        return lanes_of(roll, result.problem, rtol, count, nips)
+
+    nips = NipsOfWinding(result, roll.result)
+    lanes = lanes_with(nips)
+    largest, _ = largest_load(lanes)
+    if nips.samples is not None and largest > nips.sampled[-1]:
+        nips = NipsOfWinding(result, roll.result, largest=LOAD_RESERVE * largest)
+        lanes = lanes_with(nips)
+    lanes = replace(lanes, warnings=tuple(_load_warnings(lanes, nips)))
     return lanes.with_finite_layers(abs(result.roll.finite_layer_effect))
+
+
+def largest_load(lanes: LaneRoll) -> tuple[float, float]:
+    """Return the largest load of a lane relative to the mean of its nip, and its position [m].
+
+    nan if no nip load is shared.
+    """
+    loads = [lanes.arrays[name] for name in NIP_LOADS if name in lanes.arrays]
+    ratios = np.max([load / (lanes.lanes.share @ load) for load in loads], axis=(0, 2))
+    lane = int(np.argmax(ratios))
+    return float(ratios[lane]), float(lanes.lanes.position[lane])
+
+
+def _load_warnings(lanes: LaneRoll, nips: NipsOfWinding) -> Iterator[str]:
+    """Yield a warning about lanes that carry more than the largest load that was solved."""
+    largest, position = largest_load(lanes)
+    if largest > nips.solved_up_to:
+        yield (
+            f"the lane at {position:.4g} m across the web carries up to {largest:.3g} times the "
+            f"mean nip load: nips are solved up to {nips.solved_up_to:.3g} times the mean, and "
+            "extrapolated beyond"
+        )

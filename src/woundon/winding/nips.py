@@ -174,7 +174,7 @@ class Nips:
             self._staged, self._stages = roll, {}
         if radius not in self._stages:
             radii = [radius, *(r for r in self.samples if r not in self._stages and r != radius)]
-            self._stages |= zip(radii, stages_at(roll, radii), strict=True)
+            self._stages |= zip(radii, stages_at(roll, radii, as_wound=True), strict=True)
         return self._stages[radius]
 
     def _with_stack_of(self, roll: RollResult | None) -> WindingProblem:

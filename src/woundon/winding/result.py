@@ -11,6 +11,7 @@ import numpy as np
 
 from ..quantities import Quantity, length, line_load, stress
 from ..results import Residuals
+from ..roll.collapse import BONDED, SLIDING
 from ..roll.density import mean_over_length
 from ..roll.lane_roll import LANES, LaneRoll
 from .certificate import certificate, recomputed_nips
@@ -215,6 +216,44 @@ class WindingResult(WithMargins):
     ) -> Annotated[float, stress("sigma_min", "minimum hoop (MD) stress, < 0: compression")]:
         """Smallest sigma_t of the finished roll [Pa]."""
         return self.roll.least_hoop_stress
+
+    @property
+    def bore_hoop_stress(
+        self,
+    ) -> Annotated[float, stress("sigma_b", "hoop (MD) stress at the bore, > 0: tension")]:
+        """sigma_t of the innermost layer of the finished roll [Pa]."""
+        return self.roll.bore_hoop_stress
+
+    @property
+    def bore_displacement(
+        self,
+    ) -> Annotated[float, length("u_b", "change of the radius of the bore since winding", "um")]:
+        """Outward displacement of the innermost layer since it was wound [m]."""
+        return self.roll.bore_displacement
+
+    @property
+    def core_gap(
+        self,
+    ) -> Annotated[float, length("g_c", "gap between the core and the roll", "um")]:
+        """Radial gap between core and roll, zero if they touch [m]; nan if the core is removed."""
+        return self.roll.core_gap
+
+    @property
+    def separation_radius(
+        self,
+    ) -> Annotated[float, length("r_s", "outer radius of the open layers")]:
+        """Largest radius at which the layers have separated [m]; nan if none have."""
+        return self.roll.separation_radius
+
+    @property
+    def sliding_collapse_load(self) -> Annotated[float, SLIDING]:
+        """Pressure on the inner layers over their buckling pressure [1]; see the roll's."""
+        return self.roll.sliding_collapse_load
+
+    @property
+    def bonded_collapse_load(self) -> Annotated[float, BONDED]:
+        """Pressure on the inner layers over their buckling pressure [1]; see the roll's."""
+        return self.roll.bonded_collapse_load
 
     @property
     def length(

@@ -24,6 +24,7 @@ def wind(
     film: float = 0.0,
     *,
     rotates: bool = True,
+    changes: bool = True,
 ) -> ThinLayerRoll:
     """Compute the roll of a piecewise linear wound-on tension, in the limit of thin layers.
 
@@ -38,6 +39,8 @@ def wind(
         Of air between the layers, at ambient pressure [m].
     rotates : bool
         False neglects the centrifugal force.
+    changes : bool
+        False omits the changes after winding.
 
     Returns
     -------
@@ -48,11 +51,18 @@ def wind(
     NoSteadyState
         For a tension that is not positive everywhere.
     """
-    return solve_thin_layers(_roll_problem(problem, r, tension, film, rotates=rotates), rtol)
+    roll = _roll_problem(problem, r, tension, film, rotates=rotates, changes=changes)
+    return solve_thin_layers(roll, rtol)
 
 
 def recomputed(
-    problem: WindingProblem, roll: ThinLayerRoll, r: Array, tension: Array, film: float
+    problem: WindingProblem,
+    roll: ThinLayerRoll,
+    r: Array,
+    tension: Array,
+    film: float,
+    *,
+    changes: bool = True,
 ) -> ThinLayerRoll:
     """Recompute a roll with another tension, at the same stages of its build-up.
 
@@ -65,12 +75,20 @@ def recomputed(
         Radii [m], the other wound-on tension there [N/m].
     film : float
         Of air between the layers, at ambient pressure [m].
+    changes : bool
+        False omits the changes after winding.
     """
-    return roll.wound_with(_roll_problem(problem, r, tension, film))
+    return roll.wound_with(_roll_problem(problem, r, tension, film, changes=changes))
 
 
 def _roll_problem(
-    problem: WindingProblem, r: Array, tension: Array, film: float, *, rotates: bool = True
+    problem: WindingProblem,
+    r: Array,
+    tension: Array,
+    film: float,
+    *,
+    rotates: bool = True,
+    changes: bool = True,
 ) -> RollProblem:
     """Return the problem of the roll; reject a tension that holds no layer on it."""
     smallest, force = int(np.argmin(tension)), problem.centrifugal_tension
@@ -81,7 +99,7 @@ def _roll_problem(
             f"the wound-on tension falls to {tension[smallest]:.6g} [N/m] at the radius "
             f"{r[smallest]:.6g} [m]; must be > {least}, or no layer is wound on",
         )
-    return problem.wound_roll(_schedule(r, tension), film, rotates=rotates)
+    return problem.wound_roll(_schedule(r, tension), film, rotates=rotates, changes=changes)
 
 
 def _schedule(r: Array, tension: Array) -> float | Profile:

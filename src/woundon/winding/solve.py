@@ -7,7 +7,8 @@ r"""Solver of a winding: fixed-point iteration between the nips and the roll.
                        curve                     nips, bodies
 
 The nip-induced tension depends on the radius and on the pressure of the outermost layers, and
-hardly on the layers below.  The iteration therefore converges quickly, separately at each radius:
+hardly on the layers below.  The iteration therefore converges quickly, separately at each radius;
+its roll is without the changes after winding, which :mod:`.assembly` applies to the result.
 
     linear      no iteration: the nips do not depend on the wound roll
     effective   between iterations with nips, only the roll is recomputed, and the tensions of the
@@ -167,6 +168,7 @@ def solve_winding(
             lane_roll=lane_roll,
             lane_count=lanes,
             errors={**result.errors, **lane_roll.errors},
+            warnings=(*result.warnings, *lane_roll.warnings),
         )
     if progress is not None:
         progress(1.0)
@@ -338,7 +340,7 @@ class _Winder:
     def _recompute_roll(self, iteration: _Iteration) -> _Iteration:
         """Recompute the roll from its tension alone, independent of earlier iterations."""
         tension = self.curve.tension(iteration.shares, iteration.r)
-        roll = wind(self.problem, iteration.r, tension, self.rtol, iteration.film)
+        roll = wind(self.problem, iteration.r, tension, self.rtol, iteration.film, changes=False)
         return replace(iteration, roll=roll, has_own_stages=True)
 
     def _differences(
@@ -387,9 +389,9 @@ class _Winder:
         film, r = self.nips.mean_film(), self.curve.knots()
         tension = self.curve.tension(shares, r)
         if stages is None:
-            roll = wind(self.problem, r, tension, self.rtol, film)
+            roll = wind(self.problem, r, tension, self.rtol, film, changes=False)
         else:
-            roll = recomputed(self.problem, stages.roll, r, tension, film)
+            roll = recomputed(self.problem, stages.roll, r, tension, film, changes=False)
         nip_shares = {place: share_of_nip(place, roll.result) for place in shares}
         change = max(self._mismatch(place, share) for place, share in shares.items())
         # the film of the nips solved above differs from that of the roll; relative to the web
@@ -547,7 +549,7 @@ class _Winder:
         fine = sampling_radii(problem)
         nip_radii = sorted(curve.radius(place) for place in curve.places)
         r = polyline_radii(problem, fine, tension(fine), self.rtol, nip_radii)
-        roll = wind(problem, r, tension(r), self.rtol, iteration.film)
+        roll = wind(problem, r, tension(r), self.rtol, iteration.film, changes=False)
         # nips under the measured schedules, with warm starts from those of the smooth winding; they
         # continue its count of solved nips
         nips = self.nips
@@ -635,7 +637,7 @@ def _solve_prescribed(
         problem,
         radii,
         reported,
-        wind(problem, radii, reported, rtol, film),
+        wind(problem, radii, reported, rtol, film, changes=False),
         Nips(problem, nodes, coupling_rtol, report=lambda _: None),
         interpolation=(error if error > ROUNDING else 0.0, 0.0),
         rtol=rtol,
