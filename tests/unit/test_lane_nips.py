@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from woundon.roll.lane_roll import build_up_of, solve_lanes
+from woundon.roll.solve_lanes import build_up_of, solve_lanes
 from woundon.winding.lane_nips import (
     LOADS,
     NipAtRadius,
