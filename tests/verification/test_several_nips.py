@@ -88,7 +88,8 @@ def random_case(seed: int) -> wo.NipProblem:
     [
         3,
         *(slow_case(seed) for seed in range(4, 8)),
-        *(campaign_case(seed) for seed in range(8, 58)),
+        # the web of seed 46 is slack upstream of the second nip: there is no steady state
+        *(campaign_case(seed) for seed in range(8, 59) if seed != 46),
     ],
 )
 def test_two_nips_are_those_of_the_coupled_solver(seed: int) -> None:

@@ -56,7 +56,8 @@ SLOWEST_RATE = 0.3
 ACCURATE_RATE = 1e-4
 # Change of ln a up to which the compliance of the linear ring is reused in a tangent.
 REUSE_DISTANCE = 0.02
-CONJUGATE_GRADIENTS = 100  # iterations, before the linear ring of this half width is factorised
+# Iterations before the linear ring of this half width is factorised, which costs about as much.
+CONJUGATE_GRADIENTS = 10
 # Initial nodes and relative tolerance of the ring under a uniform pressure, whose strain is a small
 # part of that of the web.
 UNIFORM_NODES, UNIFORM_TOLERANCE = 41, 1e-5
