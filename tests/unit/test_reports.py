@@ -84,6 +84,8 @@ def test_every_error_estimate_stands_next_to_its_output(examples):
                 continue
             if name == "inlet_tension" and not result.problem.drum_wrap:
                 continue  # it is the given web tension
+            if isinstance(result, wo.WindingResult) and name.startswith("bore_"):
+                continue  # of a roll on its core they are in the report of the roll
             quantity = quantities.output(result, name).quantity
             # the first one: those of the same nip without wraps come below
             line = next(x for x in said if x.startswith(f"{quantity.meaning} {quantity.symbol} "))

@@ -21,7 +21,8 @@ from .. import __version__, kinds
 from ..errors import InvalidProblem
 from ..problems.description import Description
 from ..problems.materials import MATERIALS
-from ..quantities import scalar_outputs, walk
+from ..problems.problem import Problem
+from ..quantities import Place, scalar_outputs, walk
 from ..results import Result
 from .figures import figure_bytes
 from .html import parts_html, table_html
@@ -135,10 +136,13 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     yield "<h2>Inputs</h2>"
     fields = [{place.path: place for place in walk(result.problem)} for result in results]
     rows = []
-    not_given = []
+    omitted = []
     for path in dict.fromkeys(path for places in fields for path in places):
-        if all(path not in places or places[path].value is None for places in fields):
-            not_given.append(path)
+        if all(
+            path not in places or _is_omitted(result.problem, places[path])
+            for result, places in zip(results, fields, strict=True)
+        ):
+            omitted.append(path)
             continue
         cases = [
             value_row(places[path].quantity, places[path].value) if path in places else None
@@ -157,14 +161,23 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     columns = (*columns, *(Column(head, "number") for head in heads))
     table = table_html(Table("", columns, tuple(rows)))
     yield f'<div class="columns">{table}</div>' if len(names) == 1 else table
-    if not_given:
-        yield f'<p class="source">Not given: {escape(", ".join(not_given))}.</p>'
+    if omitted:
+        text = f"Not given, or zero and without effect: {', '.join(omitted)}."
+        yield f'<p class="source">{escape(text)}</p>'
     sources = dict.fromkeys(
         material for result in results for material in _named_materials(result.problem)
     )
     for path, name in sources:
         source = f"{path}: the named material {name}; {MATERIALS[name].source}"
         yield f'<p class="source">{escape(source)}</p>'
+
+
+def _is_omitted(problem: Problem, place: Place) -> bool:
+    """Return True for a field without a value, or with the value zero and without effect.
+
+    Another value of a field without effect may have been entered, and is shown.
+    """
+    return place.value is None or (place.path in problem.unused and place.value == 0)
 
 
 def _named_materials(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:

@@ -219,7 +219,7 @@ export class Store {
       return [path, value === atCore(before[path]) ? before[path] : value]; // a schedule from this value stays
     };
     const shared = Object.entries(now).filter(([field]) => fields.has(field) && field in before).map(carried);
-    const related = shared.length >= 7; // a nip and a winding share eight fields, a roll and a winding five
+    const related = "web_tension" in now && "web_tension" in before; // a nip and a winding, not a roll and a winding
     this.set({ others: { ...others, [kind]: now } });
     const tables = this.withNip(name, related ? { ...before, ...Object.fromEntries(shared) } : before);
     this.take(name, tables);
