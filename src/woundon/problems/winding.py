@@ -190,10 +190,17 @@ class WindingProblem(FinishedRollProblem):
     core_bending : Bending, optional
         Bending of the core, with the roll on it, under the nip load; as ``drum_bending``, without a
         winder.
-    temperature_change, tangential_expansion, radial_expansion, core_expansion, moisture_change,
-    tangential_swelling, radial_swelling, core_swelling, core_shrinkage, core_removed
-        Changes of the finished roll, as of :class:`~woundon.RollProblem`.  They do not affect nips
-        and wound-on tension.
+    temperature_change, moisture_change : float or Profile
+        Changes of the finished roll, as of :class:`~woundon.RollProblem`: dT [K] and dm [1], over
+        the radius.  All changes of the finished roll do not affect nips and wound-on tension.
+    tangential_expansion, radial_expansion, core_expansion : float
+        Thermal expansion along the web, through the stack, and of the core [1/K].
+    tangential_swelling, radial_swelling, core_swelling : float
+        Strains by a moisture content of 1 [1].
+    core_shrinkage : float
+        Relative shrinkage of the unloaded core of the finished roll [1].
+    core_removed : bool
+        True for a roll that is taken off its core or mandrel after winding.
     web_speed : float, optional
         V [m/s], needed with air or a viscoelastic drum, and for torque and power of the drives.
         With the density the web carries its centrifugal force m V^2 in nips and roll; the finished
