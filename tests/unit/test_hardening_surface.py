@@ -151,7 +151,6 @@ def test_an_estimated_roll_has_no_response() -> None:
 def test_the_response_does_not_depend_on_earlier_states() -> None:
     face, body = FACES["roll wrap"], roll()
     p, q = loads(face)
-    ring_of.cache_clear()
     first = body.surface(face, A).deform(p, q)
     for a, share in ((2 * A, 0.3), (0.5 * A, 2.0), (A * exp(1e-5), 1.0)):
         body.surface(face, a).deform(share * p, -q)
@@ -221,7 +220,6 @@ def test_a_ring_under_even_pressure_is_compressed_evenly() -> None:
 
 def test_a_ring_without_equilibrium_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ring_equilibrium, "MAX_ITERATIONS", 2)
-    ring_of.cache_clear()
     face = FACES["nip"]
     with pytest.raises(ring_equilibrium.NoEquilibrium, match="residual"):
         roll().surface(face, A).deform(*loads(face))
