@@ -223,3 +223,19 @@ def test_a_ring_without_equilibrium_is_reported(monkeypatch: pytest.MonkeyPatch)
     face = FACES["nip"]
     with pytest.raises(ring_equilibrium.NoEquilibrium, match="residual"):
         roll().surface(face, A).deform(*loads(face))
+
+
+def test_the_linear_ring_has_no_rounding_errors_of_its_factors() -> None:
+    """With factors of its own half width and of another one; the rounding of K is below 1e-13."""
+    pair = constant_rings(27e6, 18e6)
+    mesh, near = (pair.mesh(Fineness(16, 16, 24), a) for a in (A, 1.02 * A))
+    x = np.linspace(-A, A, 33)
+    hats = mesh.hat_forces(x) @ np.sqrt(np.maximum(A**2 - x**2, 0.0))
+    f, forces = np.zeros(mesh.topology.size), np.stack([-hats, 0.2 * hats])
+    f[mesh.topology.surface] = forces
+    for reference in (mesh, near):
+        pair._linear_factors(reference, 0.0)
+        u = pair.linear_displacements(mesh, forces)
+        left = f - mesh.forces(mesh.strain(u) @ pair._moduli)
+        correction = pair._linear_factors(mesh, 0.0)[1].solve(left)
+        assert np.max(np.abs(correction)) < 1e-13 * np.max(np.abs(u))

@@ -133,3 +133,9 @@ def test_lanes_that_cannot_be_wound_are_not_blamed_on_the_stack():
     with pytest.raises(wo.NotConverged, match=r"vary too much between the lanes.*even_crown") as no:
         solve_lanes(result, build_up_of(result), problem, count=4, nips=NoContact())
     assert "too soft" not in str(no.value)
+
+
+def test_extrapolated_loads_are_said(monkeypatch):
+    monkeypatch.setattr("woundon.winding.lane_nips.MOST_LOAD", 2.0)
+    with pytest.warns(wo.ValidityWarning, match="solved up to 2"):
+        wo.solve(winding(flexural_rigidity=1e9, crown=2e-4), nodes=33, rtol=0.01, lanes=6)

@@ -16,6 +16,7 @@ from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import kinds, quantities
+from woundon.report.html_report import _is_omitted
 from woundon.report.nip_report import nip_report
 from woundon.report.report_parts import Row, Section, certificate_line, zone_line
 from woundon.report.terminal import print_parts
@@ -240,3 +241,12 @@ def test_zones_are_drawn_in_proportion_and_short_ones_stay_in_sight(nip):
     assert abs(runs[2][1] - 30) <= 1
     (roll,) = [line for line in str(nip).splitlines() if line.startswith(" roll  ")]
     assert roll.split()[1].count("▶") == pytest.approx(60 * nip.trailing_roll, abs=2)
+
+
+def test_inputs_leave_out_zeros_without_effect_only():
+    problem = wo.RollProblem.example().replace(
+        temperature_change=5.0, radial_expansion=1e-4, core_removed=True, core_shrinkage=1e-3
+    )
+    omitted = {place.path for place in quantities.walk(problem) if _is_omitted(problem, place)}
+    assert "core_expansion" in omitted
+    assert not {"core_shrinkage", "tangential_expansion"} & omitted
