@@ -26,6 +26,15 @@ def test_choices_nest_and_are_taken_back():
     assert field_quantity(wo.NipProblem, "nip_load").display == "N/m"
 
 
+@pytest.mark.parametrize(
+    ("chosen", "more", "field"),
+    [("mill", {}, "chosen"), ({3: "um"}, {}, "chosen"), (None, {"half_width": 3}, "half_width")],
+)
+def test_what_is_no_choice_of_units_is_rejected(chosen, more, field: str):
+    with pytest.raises(wo.InvalidProblem, match=f"^{field}: .* must be"), wo.units(chosen, **more):
+        pass
+
+
 def test_files_for_programs_stay_si(nip, tmp_path: Path):
     with wo.units(nip_load="kN/m", half_width="um"):
         nip.save(tmp_path / "nip.json")

@@ -8,6 +8,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from .. import kinds
+from ..arguments import check_type
 from ..errors import InvalidProblem, did_you_mean, mapping_of
 from ..problems.problem import Problem
 from ..problems.units import MILL, factor
@@ -43,7 +44,7 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
     Raises
     ------
     InvalidProblem
-        For an unknown name, or a unit that is unknown or of another dimension.
+        For an unknown name, or a unit that is no text, unknown or of another dimension.
 
     Examples
     --------
@@ -53,7 +54,11 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
     ...     "um" in str(result)
     True
     """
+    check_type("chosen", {} if chosen is None else chosen, Mapping)
     requested = {**(chosen or {}), **more}
+    for name, unit in requested.items():
+        check_type("chosen", name, str)
+        check_type(name, unit, str)
     names = _by_name(requested, _places(kinds.every())) if requested else {}
     with shown_in(Choice(names)):
         yield
