@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import pi
+from typing import Any
 
 import numpy as np
 import pytest
@@ -330,3 +331,18 @@ def test_a_ring_that_collapses_into_the_bore_violates_its_margin() -> None:
     assert found.violated == ("collapse",)
     assert "collapse of the inner layers exceeds its limit" in found.verdict
     assert "smaller core" in found.advice
+
+
+@pytest.mark.parametrize("change", [{"core_removed": True}, {"core_shrinkage": 1e-3}])
+def test_lanes_as_wound_count_where_the_roll_is_changed_later(change: dict[str, Any]) -> None:
+    """The core carries the worst lane before it is removed, and layers their compression."""
+    lanes = wo.ThicknessProfile(position=[0, 1, 2], thickness=[0.995, 1.01, 0.995])
+    kept = wo.RollProblem.example().replace(thickness_profile=lanes)
+    before, after = (
+        wo.margins(wo.solve(problem, lanes=10, rtol=1e-2))
+        for problem in (kept, kept.replace(**change))
+    )
+    # the stages of the lanes are the same ones
+    assert after["core"].value == pytest.approx(before["core"].value, rel=1e-9)
+    assert after["compression"].value >= before["compression"].value * (1 - 1e-9)
+    assert after["blocking"].value < before["blocking"].value

@@ -192,7 +192,7 @@ class WindingProblem(FinishedRollProblem):
         winder.
     temperature_change, moisture_change : float or Profile
         Changes of the finished roll, as of :class:`~woundon.RollProblem`: dT [K] and dm [1], over
-        the radius.  All changes of the finished roll do not affect nips and wound-on tension.
+        the radius.  None of these changes affects nips and wound-on tension.
     tangential_expansion, radial_expansion, core_expansion : float
         Thermal expansion along the web, through the stack, and of the core [1/K].
     tangential_swelling, radial_swelling, core_swelling : float

@@ -278,13 +278,13 @@ def _finished_state(
     data = StageData(x, source_at(x), T_c)
     final = solve_on_core(equations, data, P, Q, removed)
     if final is None:
-        raise NotConverged("no equilibrium after the change of temperature or core")
+        raise NotConverged("no equilibrium after the changes of the finished roll")
     (P, Q, _), off_core = final
     if np.min(P) < -ROUNDING * np.max(np.abs(P)):
         try:
             return with_open_layers(equations, source_at, nodes_of_zone, T_c, (x, wound.P), removed)
         except NotSeparatedError as fault:
-            text = f"after the change of temperature or core {fault}"
+            text = f"after the changes of the finished roll {fault}"
             raise NotConverged(text) from None
     if off_core[0]:
         P[0] = 0.0  # without rounding: it marks a roll off its core

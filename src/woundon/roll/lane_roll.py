@@ -42,10 +42,13 @@ POSITION = length("y", "position across the web")
 # Loads of the nips in the direction of travel.
 NIP_LOADS = ("nip_load", "front_load", "rider_load")
 # Variables of the lanes over radius and position; those of the front drum and the rider only on a
-# two-drum winder whose nips are solved, deflections only of beams that the problem has.
+# two-drum winder whose nips are solved, deflections only of beams that the problem has, pressure
+# and stress as wound only of a roll that is changed after winding.
 LANE_QUANTITIES: Mapping[str, Quantity] = {
     "pressure": stress("P_j", "pressure between the layers of a lane"),
     "hoop_stress": stress("sigma_t,j", "hoop (MD) stress of a lane, > 0: tension"),
+    "pressure_as_wound": stress("P_j,0", "pressure between the layers of a lane, as wound"),
+    "hoop_stress_as_wound": stress("sigma_t,j,0", "hoop (MD) stress of a lane, as wound"),
     "wound_on_tension": line_load("WOT_j", "wound-on tension of a lane"),
     "web_tension": line_load("T_in,j", "web tension of a lane, upstream of the nip"),
     "nip_load": line_load("P_N,j", "nip load on a lane"),
@@ -99,7 +102,8 @@ class LaneRoll:
     pressure, hoop_stress, wound_on_tension, web_tension, nip_load, ridge_height, band_strain
         (L, M) arrays, see :data:`LANE_QUANTITIES` [SI].
     further : mapping of str to (L, M) array
-        Loads of further nips and deflections, by the names of :data:`LANE_QUANTITIES`.
+        Loads of further nips, deflections, and pressure and hoop stress before the changes after
+        winding, by the names of :data:`LANE_QUANTITIES`.
     stages : int
         Number of stages of the build-up.
     stage_error : float
@@ -235,7 +239,8 @@ class WithLanes:
         ``ridge_height`` of the surface over the mean one [m], ``band_strain`` of the web as wound
         [1]; on a two-drum winder also ``front_load`` and ``rider_load`` [N/m]; where the problem
         has beams, ``drum_deflection``, ``core_deflection``, ``front_deflection`` and
-        ``rider_deflection`` from the bearings [m]; over ``position`` ``share``,
+        ``rider_deflection`` from the bearings [m]; of a roll that is changed after winding
+        ``pressure_as_wound`` and ``hoop_stress_as_wound`` [Pa]; over ``position`` ``share``,
         ``thickness_excess`` and ``slack`` [1].  A radius is that of the same layer in the mean
         roll.
         """

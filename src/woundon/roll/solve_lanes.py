@@ -223,7 +223,7 @@ def _solve(
         )
     except NotWoundError as stop:
         raise NotConverged(f"with lanes across the width {stop}") from None
-    x, (P, Q) = _finished(problem, wound, lanes)
+    x, (P_wound, Q_wound), (P, Q) = _finished(problem, wound, lanes)
     r, functions = np.exp(x), wound.functions(x)
     r[0], r[-1] = result.radius[[0, -1]]  # without the rounding error of exp(ln r)
     T, h, thickness = curve.at(r), float(problem.web_thickness), (1 + lanes.excess)[:, None]
@@ -238,6 +238,10 @@ def _solve(
             for N, share in zip(nips.nip_loads(r), functions[LOAD:], strict=True)
         ]
         deflections = dict(nips.deflections(lanes, np.array(loads)))
+    as_wound = {
+        "pressure_as_wound": np.maximum(P_wound, 0.0),
+        "hoop_stress_as_wound": -(P_wound + Q_wound),
+    }
     return LaneRoll(
         lanes=lanes,
         radius=r,
@@ -251,7 +255,11 @@ def _solve(
         band_strain=T * theta / equations.tangential,
         stages=wound.curves.x.size - 1,
         stage_error=wound.largest_error,
-        further={**dict(zip(NIP_LOADS[1:], loads[1:], strict=False)), **deflections},
+        further={
+            **dict(zip(NIP_LOADS[1:], loads[1:], strict=False)),
+            **deflections,
+            **(as_wound if problem.is_changed else {}),
+        },
     )
 
 
@@ -266,8 +274,8 @@ def _shared(functions: Array, weight: Array) -> Array:
 
 def _finished(
     problem: RollProblem, wound: LaneBuildUp, lanes: Lanes
-) -> tuple[Array, tuple[Array, Array]]:
-    """Return the lanes after the changes of the finished roll, with nodes at the kinks of these.
+) -> tuple[Array, tuple[Array, Array], tuple[Array, Array]]:
+    """Return the lanes as wound and after the changes after winding, with nodes at the kinks.
 
     Temperature and moisture of a layer are those at its radius in the mean roll.
 
@@ -275,8 +283,8 @@ def _finished(
     -------
     (M,) array
         ln r of the nodes in the mean roll.
-    two (L, M) arrays
-        P and Q of the lanes [Pa].
+    two pairs of (L, M) arrays
+        P and Q of the lanes, as wound and finished [Pa].
     """
     assert wound.data is not None
     changes, x, P, Q = FinalChanges(problem), wound.x, wound.P, wound.Q
@@ -293,16 +301,18 @@ def _finished(
     data = stage_data(X, changes.added_to(source, x), tension)
     found = solve_on_core(equations_of(problem), data, P.ravel(), Q.ravel(), problem.core_removed)
     if found is None:
-        raise NotConverged("no equilibrium of the lanes after the change of temperature or core")
+        raise NotConverged("no equilibrium of the lanes after the changes of the finished roll")
     solved, _ = found
-    P, Q = solved.P.reshape(P.shape), solved.Q.reshape(P.shape)
+    as_wound, (P, Q) = (P, Q), (solved.P.reshape(P.shape), solved.Q.reshape(P.shape))
+    if problem.core_removed:
+        P[:, 0] = 0.0  # without the rounding error
     loosest = np.unravel_index(np.argmin(P), P.shape)
     if problem.is_changed and P[loosest] < -ROUNDING * float(np.max(P)):
         place = f"the lane at {lanes.position[loosest[0]]:.4g} m across the web"
         raise NotConverged(
             f"the layers of {place} separate: the changes after winding reduce the pressure to zero"
         )
-    return x, (P, Q)
+    return x, as_wound, (P, Q)
 
 
 def _between_nodes(source: CellSource, x: Array, x_new: Array) -> CellSource:

@@ -573,12 +573,22 @@ def margins(
     return Margins(_with_source(margin, roll.problem, named_grade) for margin in worst)
 
 
+def _wound_and_finished(lanes: xarray.Dataset, name: str) -> tuple[Array, Array]:
+    """Return a variable of the lanes as wound and of the finished roll, (M, L) each.
+
+    Both are the same if nothing changes after winding.
+    """
+    finished = lanes[name].values
+    as_wound = lanes.get(f"{name}_as_wound")
+    return (finished if as_wound is None else as_wound.values), finished
+
+
 # Values of a margin in the lanes, (M, L) over radius and position; the worst is the largest, or the
 # smallest of "slack".
 LANE_VALUES: dict[str, Callable[[xarray.Dataset], Array]] = {
-    "compression": lambda lanes: -lanes.hoop_stress.values,
+    "compression": lambda lanes: -np.minimum(*_wound_and_finished(lanes, "hoop_stress")),
     "blocking": lambda lanes: lanes.pressure.values,
-    "core": lambda lanes: lanes.pressure.values[:1],
+    "core": lambda lanes: np.maximum(*_wound_and_finished(lanes, "pressure"))[:1],
     "strength": lambda lanes: np.maximum(lanes.wound_on_tension, lanes.web_tension).values,
     "slack": lambda lanes: np.minimum(lanes.wound_on_tension, lanes.web_tension).values,
     "gauge_band": lambda lanes: lanes.band_strain.values,
@@ -602,7 +612,7 @@ LANES_LEFT_OUT = {
 
 
 def _of_worst_lane(margin: Margin, lanes: xarray.Dataset) -> Margin:
-    """Return a margin with the value of the worst lane of the finished roll.
+    """Return a margin with the value of the worst lane, as wound or in the finished roll.
 
     Parameters
     ----------
