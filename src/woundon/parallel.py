@@ -276,8 +276,10 @@ class Worker:
         from concurrent.futures import BrokenExecutor
 
         if self._executor is not None:
-            with suppress(BrokenExecutor):  # it died while it was idle
+            try:
                 return self._executor.submit(work, *args)
+            except BrokenExecutor:  # it died while it was idle
+                _end(self._executor)
         from joblib.externals.loky import ProcessPoolExecutor
 
         # a process that has grown ends between two tasks, and the next task starts another one
@@ -301,8 +303,21 @@ class Worker:
             # loky's thread fails on an item that it has not taken from its queue yet
             while self._last is not None and not (self._last.running() or self._last.done()):
                 time.sleep(0.001)
-            executor.shutdown(kill_workers=True)
+            _end(executor)
         self._flag.unlink(missing_ok=True)
+
+
+def _end(executor: Any) -> None:
+    """Kill the process of an executor and wait for the ends of its threads.
+
+    Loky waits for one of them only.  The other, which writes to the process, removes semaphores
+    when it ends; a command that ends meanwhile would complain about leaked ones.  If it is stopped
+    within a write to the killed process, it never ends, and removes nothing.
+    """
+    writer = executor._call_queue._thread
+    executor.shutdown(kill_workers=True)
+    if writer is not None:
+        writer.join(timeout=1.0)
 
 
 @cache

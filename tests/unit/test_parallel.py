@@ -15,6 +15,7 @@ from pathlib import Path
 
 import process_tasks
 import pytest
+from joblib.externals.loky.backend import queues
 from slow_cases import slow_case
 
 import woundon as wo
@@ -127,6 +128,32 @@ def test_solvers_report_fractions_and_can_be_cancelled(problem: type):
 
     with pytest.raises(Cancelled):
         wo.solve(problem.example(), progress=cancel)
+
+
+def test_no_thread_outlives_its_worker(monkeypatch: pytest.MonkeyPatch):
+    """A thread that removes semaphores while the command ends leaves a complaint about them."""
+    feed = queues.Queue._feed
+
+    def feed_slowly(*args: object) -> None:
+        feed(*args)
+        time.sleep(0.3)
+
+    monkeypatch.setattr(queues.Queue, "_feed", staticmethod(feed_slowly))
+    before = threading.enumerate()
+    worker = Worker()
+    assert worker.submit(abs, -1).result() == 1
+    worker.kill()
+    assert threading.enumerate() == before
+
+
+def test_a_worker_is_killed_while_it_is_sent_more_than_its_pipe_holds():
+    worker = Worker()
+    assert worker.submit(abs, -1).result() == 1
+    worker.submit(time.sleep, 60)
+    begun = time.monotonic()
+    worker._executor.submit(len, bytes(1 << 24))  # 16 MB; a pipe holds 64 kB
+    worker.kill()
+    assert time.monotonic() - begun < 30  # it would wait for a reader for ever
 
 
 def test_a_worker_is_killed_while_it_works():
