@@ -32,7 +32,6 @@ import numpy as np
 from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
 from ..nip.air_films import friction_between
-from ..problems.air import Air
 from ..problems.grades import Grade, source_of_limit
 from ..problems.limits import Limits
 from ..problems.messages import quote
@@ -384,17 +383,12 @@ class WindingTorque:
             data = cls(problem.roll_friction, r, core_tension, result.web_tension, on_arcs)
             if problem.air is None:
                 return data
-            ratio = partial(_friction_ratio, result.air_film, air=problem.air)
+            ratio = partial(friction_between, result.air_film, air=problem.air)
             return replace(data, friction_ratio=ratio)
         r, unknown = result.radius, np.zeros(0)
         tension = result.problem.web_thickness * result.problem.tension_curve.at(r)
         assumed = "taken as centre-wound without a nip"
         return cls(friction=None, radius=r, core=tension, web_tension=unknown, assumed=assumed)
-
-
-def _friction_ratio(film: float, P: Array, air: Air) -> Array:
-    """Return the friction under P with an air film, relative to that without air."""
-    return friction_between(film, P, air)
 
 
 class _State(NamedTuple):
