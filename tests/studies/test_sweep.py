@@ -45,6 +45,15 @@ def test_a_grid_gives_the_numbers_of_single_solves(grid):
             assert str(case.warnings.values) == "; ".join(single.warnings)
 
 
+def test_an_input_without_effect_is_a_warning_of_its_case():
+    roll = wo.RollProblem.example()
+    heated = wo.sweep(roll, {"temperature_change": [0.0, 10.0]}, ["core_pressure"], rtol=0.01)
+    cold, warm = (str(text) for text in heated.warnings.values)
+    assert cold == ""
+    assert warm == "; ".join(roll.replace(temperature_change=10.0).input_warnings)
+    assert "temperature_change is not used" in warm
+
+
 def test_numbers_depend_neither_on_workers_nor_on_the_rest_of_the_study():
     over = {"nip_load": np.linspace(1000, 3000, 24)}
     one = wo.sweep(paper_nip(), over, nodes=17, workers=1, chunk=6)

@@ -381,7 +381,7 @@ def test_a_free_strain_without_stress_does_not_bring_yield_nearer(problem: wo.Ro
 
 
 def test_the_compression_at_the_bore_off_its_core_bends_the_inner_face_further() -> None:
-    """The tension rises towards the surface, so that the bore is compressed more than it was taut."""
+    """The tension rises towards the surface, and the bore is compressed more than it was taut."""
     rising = wo.Profile(radius=[0.254, 0.3, 0.75], value=[10e3, 40e3, 40e3])
     problem = wo.RollProblem(
         core=wo.Core(diameter=0.508, stiffness=60e9), diameter=1.5, web_thickness=1e-3,

@@ -139,6 +139,19 @@ def test_changes_without_effect_are_warned_of(changes: dict[str, Any], unused: s
     assert not problem.replace(**used).input_warnings
 
 
+def test_a_change_without_effect_is_no_assumption():
+    text = "Temperature, moisture and shrinkage change the finished roll"
+    for kind in (ROLL, wo.WindingProblem.example()):
+        for changes, expected in (
+            ({"temperature_change": 10.0}, False),
+            ({"core_removed": True, "core_shrinkage": 0.01}, False),
+            ({"temperature_change": 10.0, "radial_expansion": 1e-5}, True),
+            ({"core_shrinkage": 0.01}, True),
+        ):
+            assumptions = " ".join(kind.replace(**changes).assumptions)
+            assert (text in assumptions) == expected, changes
+
+
 def test_a_thin_ring_of_few_layers_collapses():
     """Two ways to the same number: p = E d^3/(4 R^3) of the compressed ring, by hand.
 

@@ -13,11 +13,11 @@ r"""Margins of a wound roll against known defects.
     collapse     pressure on the inner layers of a roll off its core / buckling of bonded layers
     sliding_collapse                     the same of layers that slide freely on each other
 
-In strength, gauge_band and bending the tension is the larger one of that with which a layer is wound
-and of h sigma_t of the finished roll, in bending also its compression.  Of a two-drum winder
-strength and slack contain the tensions between the nips.  Each margin is
-evaluated over the radius of the finished roll and, except blocking, which takes
-time, of stages of the build-up; with centrifugal force of each stage while it runs and at rest.
+In strength, gauge_band and bending the tension is the larger one of that with which a layer is
+wound and of h sigma_t of the finished roll, in bending also its compression.  Of a two-drum winder
+strength and slack contain the tensions between the nips.  Each margin is evaluated over the radius
+of the finished roll and, except blocking, which takes time, of stages of the build-up; with
+centrifugal force of each stage while it runs and at rest.
 Sources: docs/theory/margins.md.
 """
 
