@@ -82,7 +82,9 @@ class Profile(Description):
         OF_FIELD,
         Field(min_length=2, max_length=10_000, description="values at these radii"),
     ]
-    between: Literal["lines", "smooth"] = "lines"
+    between: Annotated[
+        Literal["lines", "smooth"], Field(description="curve between the values")
+    ] = "lines"
 
     @model_validator(mode="after")
     def _check_columns(self) -> Self:

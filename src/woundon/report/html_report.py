@@ -160,7 +160,7 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     heads = names if len(names) > 1 else ["value"]
     columns = (*columns, *(Column(head, "number") for head in heads))
     table = table_html(Table("", columns, tuple(rows)))
-    yield f'<div class="columns">{table}</div>' if len(names) == 1 else table
+    yield f'<div class="columns inputs">{table}</div>' if len(names) == 1 else table
     if omitted:
         text = f"Not given, or zero and without effect: {', '.join(omitted)}."
         yield f'<p class="source">{escape(text)}</p>'

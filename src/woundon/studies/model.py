@@ -346,10 +346,12 @@ def check_effect(problem: Problem, name: str, value: float) -> None:
     Examples
     --------
     >>> import woundon as wo
-    >>> check_effect(wo.RollProblem.example(), "temperature_change", 10.0)
-    Traceback (most recent call last):
-    woundon.errors.InvalidProblem: temperature_change: has no effect in this case, as
-    tangential_expansion, radial_expansion and core_expansion are 0; must be a field that has one
+    >>> coreless = wo.RollProblem.example().replace(core_removed=True)
+    >>> try:
+    ...     check_effect(coreless, "core_shrinkage", 0.01)
+    ... except wo.InvalidProblem as fault:
+    ...     print(fault)
+    core_shrinkage: has no effect in this case, as core_removed = true; must be a field that has one
     """
     if not any(is_part_of(name, unused) for unused in problem.unused):
         return
