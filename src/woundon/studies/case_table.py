@@ -473,7 +473,7 @@ def _copied_columns(
     sign = decimal_sign(sheet)
     copied: dict[str, Any] = {}
     for header, cells in sheet.columns.items():
-        text = f"{header} [{sheet.units[header]}]" if header in sheet.units else header
+        text = f"{header} [{sheet.units[header]}]" if sheet.units.get(header) else header
         if header in matched and pattern(matched[header].name) not in fields:
             if written:
                 continue
