@@ -92,7 +92,7 @@ class _Curve:
         self.slope = self.value.derivative()
 
     def at(self, x: Array) -> tuple[Array, Array]:
-        """Return the values and the slopes at any x."""
+        """Return the values and the slopes at any x, arrays of its shape."""
         inside = np.clip(x, self.first, self.last)
         slope = self.slope(inside)
         return self.value(inside) + slope * (x - inside), slope
@@ -139,7 +139,7 @@ class NipAtRadius:
         return _Curve(np.array([0.0, *self.sampled]), self.added_change)
 
     def load_at(self, approach: Array) -> tuple[Array, Array]:
-        """Return P [N/m] and dP/d delta [N/m^2] at approaches [m]; zero at negative ones."""
+        """Return P [N/m] and dP/d delta [N/m^2] at approaches [m], (L,); zero at negative ones."""
         touches = approach > 0
         delta = np.where(touches, approach, self.approach)  # any positive one without contact
         log_load, exponent = self._log_load.at(np.log(delta / self.approach))
@@ -148,7 +148,7 @@ class NipAtRadius:
         return np.where(touches, load, 0.0), np.where(touches, load * exponent / delta, 0.0)
 
     def added(self, load: Array) -> tuple[Array, Array]:
-        """Return A(P) [N/m] and dA/dP [1] at loads [N/m]."""
+        """Return A(P) [N/m] and dA/dP [1] at loads (L,) [N/m]."""
         change, slope = self._added_change.at(load / self.load)
         ratio = self.friction_force / self.load
         return self.added_at_load + self.friction_force * change, ratio * slope
@@ -225,7 +225,7 @@ class NipsOfWinding:
 
     @property
     def _beams(self) -> list[tuple[Bending, int, str]]:
-        """The beams of the problem, the nip that loads each, and the name of its deflection."""
+        """Those of BEAMS in the problem: (beam, nip that loads it, name of its deflection)."""
         beams = [(field_or_none(self.problem, name), nip, of) for name, nip, of in BEAMS]
         return [(beam, nip, name) for beam, nip, name in beams if beam is not None]
 
@@ -240,11 +240,12 @@ class NipsOfWinding:
         assert self.problem.thickness_profile is not None  # of a problem with lanes
         edges = np.array(self.problem.thickness_profile.position)[[0, -1]]
         with_share = lanes.share > 0
+        # edges of the lanes next to each other, from one edge of the web to the other
         ends = edges[0] + np.ptp(edges) * np.append(0.0, np.cumsum(lanes.share[with_share]))
         places = lanes.position[~with_share]
-        loads = self.nip_loads(np.array([self.problem.radius]))
-        crown = np.zeros((len(loads), lanes.share.size))
-        loaded_by = np.zeros((len(loads), len(self._beams)))
+        nip_count = len(self.nip_loads(np.array([self.problem.radius])))
+        crown = np.zeros((nip_count, lanes.share.size))
+        loaded_by = np.zeros((nip_count, len(self._beams)))
         beams = []
         for b, (bending, nip, _) in enumerate(self._beams):
             loaded_by[nip, b] = 1.0
@@ -256,7 +257,7 @@ class NipsOfWinding:
                     np.inf if shear is None else shear,
                 )
             )
-            if isinstance(bending, DrumBending):
+            if isinstance(bending, DrumBending):  # a core has no crown
                 # relative to the mean height over the width
                 heights = bending.mean_heights(ends), bending.heights(places, tuple(edges))
                 crown[nip] = np.concatenate(heights) - lanes.share[with_share] @ heights[0]
@@ -271,7 +272,7 @@ class NipsOfWinding:
         return dict(zip(names, drums.deflection(loads), strict=True))
 
     def nips(self, radius: float, added: float) -> list[NipAtRadius]:
-        """Return the nips at a radius [m], which add a tension together [N/m]."""
+        """Return the nips at a radius [m], which together add the tension ``added`` [N/m]."""
         assert self.samples is not None
         radii, values, friction = self.samples
         places = np.log(radii - self.core)

@@ -32,7 +32,6 @@ import numpy as np
 from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
 from ..nip.air_films import friction_between
-from ..problems.air import Air
 from ..problems.grades import Grade, source_of_limit
 from ..problems.limits import Limits
 from ..problems.messages import quote
@@ -384,17 +383,12 @@ class WindingTorque:
             data = cls(problem.roll_friction, r, core_tension, result.web_tension, on_arcs)
             if problem.air is None:
                 return data
-            ratio = partial(_friction_ratio, result.air_film, air=problem.air)
+            ratio = partial(friction_between, result.air_film, air=problem.air)
             return replace(data, friction_ratio=ratio)
         r, unknown = result.radius, np.zeros(0)
         tension = result.problem.web_thickness * result.problem.tension_curve.at(r)
         assumed = "taken as centre-wound without a nip"
         return cls(friction=None, radius=r, core=tension, web_tension=unknown, assumed=assumed)
-
-
-def _friction_ratio(film: float, P: Array, air: Air) -> Array:
-    """Return the friction under P with an air film, relative to that without air."""
-    return friction_between(film, P, air)
 
 
 class _State(NamedTuple):
@@ -430,7 +424,7 @@ def _states(roll: RollResult, motion: str | None) -> list[_State]:
     smallest = core + 2 * TAIL_LAYERS * roll.problem.web_thickness
     surfaces = np.linspace(core, radius, STAGES + 1)[1:-1]
     surfaces = np.append(surfaces[surfaces >= smallest], radius)
-    motions = {"": True}
+    motions = {"": True}  # name of the motion: True if at rest
     if roll.problem.centrifugal_stress:
         motions = {RUNNING: False, AT_REST: True}
     return [
@@ -442,7 +436,10 @@ def _states(roll: RollResult, motion: str | None) -> list[_State]:
 
 
 def _state(stage: Stage, motion: str) -> _State:
-    """Return the stresses at a stage, at its nodes and at PLACES even radii."""
+    """Return the stresses at a stage, at its nodes and at PLACES even radii.
+
+    ``motion`` is the name of :class:`_State`.
+    """
     r = np.unique([*stage.radius, *np.linspace(stage.radius[0], stage.radius[-1], PLACES)])
     return _State(float(stage.radius[-1]), motion, r, *stage.stresses_at(r))
 
@@ -549,8 +546,8 @@ def margins(
         raise InvalidProblem.at("motion", f"{quote(motion)} is out of range; {must}")
     torque_data, states = WindingTorque.of(result), _states(roll, motion)
     on_core = states
-    if roll.is_off_core:  # then it passes no torque to the core, nor presses on it
-        last = states[-1].motion
+    if roll.is_off_core:  # it neither presses on the core nor passes a torque to it
+        last = states[-1].motion  # of the finished roll, which is replaced by the roll as wound
         as_wound = wound_stage(roll, at_rest=last != RUNNING)
         on_core = [*states[:-1], _state(as_wound, last)]
     worst: tuple[Margin, ...] = (
@@ -814,14 +811,13 @@ def _slip(
     # if the finished roll is the only stage, its end is the last of two
     evaluated_up_to = dict(zip(surfaces, ends[-len(surfaces) :], strict=True))
     shares = []
-    for s, _, r, P, _ in states:
-        tension = float(np.interp(s, torque_data.radius, torque_data.core))
-        torque = torque_carried(r, s, tension, roll.problem.density or 0, limits.acceleration)
-        shares.append(
-            torque_share(r, P, friction * torque_data.friction_ratio(np.maximum(P, 0)), torque)[
-                r <= evaluated_up_to[s]
-            ]
-        )
+    for state in states:
+        surface, r, P = state.surface, state.r, state.P
+        tension = float(np.interp(surface, torque_data.radius, torque_data.core))
+        density = roll.problem.density or 0
+        torque = torque_carried(r, surface, tension, density, limits.acceleration)
+        mu = friction * torque_data.friction_ratio(np.maximum(P, 0))
+        shares.append(torque_share(r, P, mu, torque)[r <= evaluated_up_to[surface]])
     worst = _worst(states, shares)
     slides = NO_FRICTION if isinf(worst.value) else ""
     note = "; ".join(filter(None, (torque_data.assumed, slides)))

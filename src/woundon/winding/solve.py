@@ -465,7 +465,10 @@ class _Winder:
         return self.curve.refine_radii(nip_shares) or added
 
     def _worst_piece(self, nip_shares: dict[float, float]) -> Piece | None:
-        """Return the piece with the largest error, or None if all errors are accepted."""
+        """Return the piece with the largest error, or None if all errors are accepted.
+
+        ``nip_shares`` are the friction shares of the nips by place.
+        """
         curve = self.curve
         errors = np.divide(curve.errors(nip_shares), curve.accepted_errors)
         worst = int(np.argmax(errors))
@@ -473,7 +476,8 @@ class _Winder:
         if errors[worst] <= 1:
             return None
         if len(nip_shares) >= MAX_NIPS:
-            r = curve.radius(piece.error_estimates(nip_shares)[-1][0])
+            last_place, _ = piece.error_estimates(nip_shares)[-1]
+            r = curve.radius(last_place)
             raise NotConverged(
                 f"rtol={self.rtol:g} is not reached with {MAX_NIPS} nips: at the radius "
                 f"{r:.4g} m the relative interpolation error of the wound-on tension is "
@@ -620,7 +624,10 @@ def _secant_update(
 def _solve_prescribed(
     problem: WindingProblem, rtol: float, nodes: int, coupling_rtol: float
 ) -> WindingResult:
-    """Solve a winding whose wound-on tension needs no nips."""
+    """Solve a winding whose wound-on tension needs no nips.
+
+    Parameters as of :func:`solve_winding`.
+    """
     law, schedule, r = problem.tension_law, problem.at, sampling_radii(problem)
     film = 0.0 if problem.has_nip else mean_foil_film(problem)
     if isinstance(law, Profile):
