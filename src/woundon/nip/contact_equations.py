@@ -191,8 +191,9 @@ class ContactEquations(Generic[Geometry, State]):
             matrix[:, self.layout.ln_a] = change / DIFFERENCE
 
     def initial_guess(self) -> tuple[Array, Array]:
-        """Return unknowns u with zero fields and the initial half width, and full stick.
+        """Return unknowns u, (size,), with zero fields and the initial half width, and full stick.
 
+        Full stick is the active set of k zeros.
         For linear bodies the first Newton step gives the fields for this half width.
         """
         u = np.zeros(self.layout.size)
