@@ -345,6 +345,7 @@ class LayerSystems:
         """
         M = self.system_matrix(n, h)
         total, product = self.roots(n)
+        # of the characteristic equation M^4 - b M^2 + c I = 0
         c = (product * h * h) ** 2
         b = (total * h) ** 2 - 2 * product * h * h
         # e^M = I + f0 I + (1 + f1) M + f2 M^2 + f3 M^3, with the even powers

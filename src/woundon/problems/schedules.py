@@ -204,7 +204,7 @@ class Taper(Description):
         return {"power": "exponent", "constant_torque": "start"}.get(self.law, "taper")
 
     def at(self, r: Array, core: float, radius: float) -> Array:
-        """Return the values at radii r of a roll from ``core`` to ``radius`` [m], like r."""
+        """Return the values at radii [m] of a roll from ``core`` to ``radius`` [m]."""
         if self.law == "linear":
             return self.start * (1 - self.taper * (r - core) / (radius - core))
         if self.law == "hyperbolic":
