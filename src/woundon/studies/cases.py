@@ -157,7 +157,7 @@ def is_numeric(values: Array) -> bool:
 
 
 def as_labels(values: Array) -> Array:
-    """Return the values of an input for tables and axes: numbers, or texts of other values."""
+    """Return the values of an input, (n,), for tables and axes: numbers, or texts of others."""
     if is_numeric(values):
         return values
     return np.array([v if isinstance(v, str) else repr(v) for v in values], dtype=object)
