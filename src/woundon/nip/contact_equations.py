@@ -180,7 +180,7 @@ class ContactEquations(Generic[Geometry, State]):
     def shifted(self, state: State) -> State:
         """Return the state of the same unknowns for a larger ln a, by DIFFERENCE."""
         a = state.geometry.a
-        if len(self.surfaces.computed) == 1:
+        if len(self.surfaces.computed) == 1:  # a second half width, to interpolate the responses
             self.geometry(a * exp(SECOND))
         return self.state_like(state, self.geometry(a * exp(DIFFERENCE), inf))
 

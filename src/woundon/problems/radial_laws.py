@@ -95,6 +95,7 @@ class RadialLaw(Family):
         p = np.asarray(P, dtype=float)
         if self._in_range(p):
             return as_given(self._modulus(p))
+        # the law continues along its tangent below zero, and is constant above its largest pressure
         E, slope, P_min = self._tangent_at_zero
         tangent = E + slope * np.clip(p, P_min, 0.0)
         return as_given(np.where(p < 0, tangent, self._modulus(np.clip(p, 0.0, self.max_pressure))))

@@ -281,9 +281,11 @@ class _Winder:
         for number in range(MAX_ITERATIONS):
             self.nips.rough = rough = change > ROUGH_CHANGE
             if self.nips.coarse and not rough:
-                # tensions on another mesh do not continue the secant steps
+                # tensions on another mesh do not continue the secant steps; where nips are
+                # extrapolated, the previous iteration only gives the stages of the roll
                 self.nips.coarse, slopes = False, {}
                 previous = previous if self._extrapolates else None
+            # other stages would change the tension, which the extrapolation has made agree
             stages = previous if self._extrapolates else None
             iteration = self._iterate(shares, self._nip_share, stages)
             is_close = (
@@ -301,6 +303,7 @@ class _Winder:
                 shares = _secant_update(iteration, previous, slopes)
             previous, change = iteration, iteration.change
             self._note_progress(change)
+            # with the last mesh, tolerances and radii
             is_final = may_refine and not (added or rough)
             if is_final and change <= STOP_FRACTION * self.coupling_rtol:
                 return iteration if iteration.has_own_stages else self._recompute_roll(iteration)
