@@ -176,11 +176,12 @@ def solve_with_film(
     frictions = frictions or (problem.roll_friction, problem.friction_on_wrap)
     largest_mesh, chooses_nodes = 0, options.get("nodes") is None and options.get("rtol") is None
     for iteration in range(MAX_FILM_ITERATIONS):
+        # the friction converges on one mesh only: from some iteration on it is not chosen again
         if chooses_nodes and iteration >= FREE_ITERATIONS:
             options["nodes"] = largest_mesh
         solved = _solve(problem.without_air(*frictions), **options)
         nip = solved.in_nip
-        if iteration:
+        if iteration:  # the first friction is a guess, which may need another mesh
             largest_mesh = max(largest_mesh, solved.nodes)
         film = air_film(problem, solved.x[nip], solved.roll_pressure[nip], solved.half_width)
         reduced = film.roll_friction, film.wrap_friction
@@ -276,7 +277,7 @@ def _longer_wrap(problem: NipProblem) -> NipResult | None:
         start = _refined(problem.replace(roll_wrap=wrap), nodes=FIRST_SIZES[-1], start=start)
         edge = start.half_width / R
         smallest = (1 + SHORTEST_WRAP) * edge
-        if wrap <= (1 + SHORTEST_WRAP / 10) * smallest:
+        if wrap <= (1 + SHORTEST_WRAP / 10) * smallest:  # still longer than theta, which is inside
             text = f"{theta:.6g} is out of range; must be 0 or >= {1.001 * wrap:.4g} [rad]"
             raise InvalidProblem.at(
                 "roll_wrap",
@@ -435,7 +436,10 @@ def _warnings_of_all_nips(
     state: NipState | SeveralState,
     active: np.ndarray,
 ) -> list[str]:
-    """Return the warnings of the first nip, and those that further nips have in addition."""
+    """Return the warnings of the first nip, and those that further nips have in addition.
+
+    ``active`` are the zones of the traction nodes of all nips, (k,).
+    """
     texts = list(nip_warnings(result))
     if isinstance(system, NipSystem):
         return texts

@@ -407,6 +407,7 @@ def friction_bounds(result: Result) -> dict[str, Array]:
         return {"traction": problem.friction * result.pressure}
     if not isinstance(result, NipResult):
         return {}
+    # the equations of a nip with air: those without, with the friction that the film leaves
     problem = result.without_air
     mu = np.full(result.x.shape, problem.roll_friction)
     mu[result.in_nip.stop :] = problem.friction_on_wrap  # nodes downstream of the nip

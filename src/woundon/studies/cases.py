@@ -160,7 +160,7 @@ def is_numeric(values: Array) -> bool:
 
 
 def as_labels(values: Array) -> Array:
-    """Return the values of an input for tables and axes: numbers, or texts of other values.
+    """Return the values of an input, (n,), for tables and axes: numbers, or texts of others.
 
     Of a long list in a text, such as the positions of a profile, the ends are stated; texts that
     are equal without the values between them are numbered.

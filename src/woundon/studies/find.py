@@ -380,11 +380,11 @@ def _usual_range(
     typical : (low, high) or None
     """
     ends = list(typical or ())
-    if base is not None and base > 0 and permitted[0] >= 0:
+    if base is not None and base > 0 and permitted[0] >= 0:  # a decade on both sides
         ends += [base / DECADE, base * DECADE]
-    elif base and not typical:  # of either sign
+    elif base and not typical:  # of either sign, whose magnitude is the only scale that is known
         ends += [base - DECADE * abs(base), base + DECADE * abs(base)]
-    elif base:
+    elif base:  # of either sign: the typical range may have to be extended to it
         ends += [0.0, 2 * base]
     elif not typical:
         ends += permitted

@@ -443,7 +443,7 @@ def _states(roll: RollResult, motion: str | None) -> list[_State]:
     smallest = core + 2 * TAIL_LAYERS * roll.problem.web_thickness
     surfaces = np.linspace(core, radius, STAGES + 1)[1:-1]
     surfaces = np.append(surfaces[surfaces >= smallest], radius)
-    motions = {"": True}
+    motions = {"": True}  # name of the motion: True if at rest
     if roll.problem.centrifugal_stress:
         motions = {RUNNING: False, AT_REST: True}
     return [
@@ -455,7 +455,10 @@ def _states(roll: RollResult, motion: str | None) -> list[_State]:
 
 
 def _state(stage: Stage, motion: str) -> _State:
-    """Return the stresses at a stage, at its nodes and at PLACES even radii."""
+    """Return the stresses at a stage, at its nodes and at PLACES even radii.
+
+    ``motion`` is the name of :class:`_State`.
+    """
     r = np.unique([*stage.radius, *np.linspace(stage.radius[0], stage.radius[-1], PLACES)])
     return _State(float(stage.radius[-1]), motion, r, *stage.stresses_at(r))
 
@@ -564,8 +567,8 @@ def margins(
         raise InvalidProblem.at("motion", f"{quote(motion)} is out of range; {must}")
     torque_data, states = WindingTorque.of(result), _states(roll, motion)
     on_core = states
-    if roll.is_off_core:  # then it passes no torque to the core, nor presses on it
-        last = states[-1].motion
+    if roll.is_off_core:  # it neither presses on the core nor passes a torque to it
+        last = states[-1].motion  # of the finished roll, which is replaced by the roll as wound
         as_wound = wound_stage(roll, at_rest=last != RUNNING)
         on_core = [*states[:-1], _state(as_wound, last)]
     worst: tuple[Margin, ...] = (
@@ -863,14 +866,13 @@ def _slip(
     # if the finished roll is the only stage, its end is the last of two
     evaluated_up_to = dict(zip(surfaces, ends[-len(surfaces) :], strict=True))
     shares = []
-    for s, _, r, P, _ in states:
-        tension = float(np.interp(s, torque_data.radius, torque_data.core))
-        torque = torque_carried(r, s, tension, roll.problem.density or 0, limits.acceleration)
-        shares.append(
-            torque_share(r, P, friction * torque_data.friction_ratio(np.maximum(P, 0)), torque)[
-                r <= evaluated_up_to[s]
-            ]
-        )
+    for state in states:
+        surface, r, P = state.surface, state.r, state.P
+        tension = float(np.interp(surface, torque_data.radius, torque_data.core))
+        density = roll.problem.density or 0
+        torque = torque_carried(r, surface, tension, density, limits.acceleration)
+        mu = friction * torque_data.friction_ratio(np.maximum(P, 0))
+        shares.append(torque_share(r, P, mu, torque)[r <= evaluated_up_to[surface]])
     worst = _worst(states, shares)
     slides = NO_FRICTION if isinf(worst.value) else ""
     note = "; ".join(filter(None, (torque_data.assumed, slides)))
