@@ -299,6 +299,8 @@ class SeveralNips:
     def _add_far_deformations(self, jacobian: Jacobian, assemblies: list[Assembly]) -> None:
         """Add the derivatives of slopes, curvatures and strains by the loads on other faces.
 
+        How the tension upstream of a nip changes the hoop pressure in it is neglected.
+
         In the slips of the last nip the strain at the end is subtracted.  That at the evaluation of
         the closed tension changes the laid strain.
         """
