@@ -521,6 +521,18 @@ class Assembly:
         out[:, layout.wrap_p] += matrix[:, n : n + layout.wrap_p.stop - layout.wrap_p.start]
         return out
 
+    def by_loads_on_roll(self, by_p: Array, by_q: Array) -> Array:
+        """Return the derivatives by u, (m, size), from those by the loads on the roll's face.
+
+        Parameters
+        ----------
+        by_p, by_q : (m, n) arrays
+            Derivatives by p+ and by q+ at the n nodes of the face.
+        """
+        out = self.chain_p_roll(by_p)
+        out[:, self.layout.roll_q] += by_q[:, 1:-1]
+        return out
+
     def _gap_slope_rows(self) -> Array:
         """Return the rows of the gap slope in the cells of the nip, (cells, size).
 

@@ -41,7 +41,6 @@ from ..elasticity.surface import Deformation, SurfaceTangent
 from ..problems.nip import NipProblem
 from .contact_equations import DIFFERENCE
 from .equations import Assembly, Fields, Geometry, NipState
-from .layout import Layout
 from .nip_fields import NipFields
 from .outputs import NipSystem, drum_creepage, evaluation_weights, roll_wound_on_tension
 from .single_nips import single_nips
@@ -318,6 +317,8 @@ class SeveralNips:
         roll wrap, and their strains eps+ the slip v+ = eps - eps+ - E.  In the last nip, eps - eps+
         at the end of its face stands for E; its eps+ at the evaluation of W changes the E of all
         others.
+
+        How the tension upstream of a nip changes the hoop pressure in it is neglected.
         """
         assert self.coupling is not None
         # weights of eps+ at the points of the last face, with which W is evaluated
@@ -327,7 +328,7 @@ class SeveralNips:
             nip, columns = self.nips[i], self.unknowns[j]
             # at the points of face i by the unknowns of nip j, (points, unknowns) each
             slope, strain = (
-                self._scaled(j, source.a) * self._by_unknowns(self.nips[j].layout, by_p, by_q)
+                self._scaled(j, source.a) * source.by_loads_on_roll(by_p, by_q)
                 for by_p, by_q in ((far.slope_p, far.slope_q), (far.strain_p, far.strain_q))
             )
             blocks = self._blocks(jacobian, i)
@@ -348,19 +349,6 @@ class SeveralNips:
                 by_strain = self.coupling.laid_by_closed / self.stretch
                 self.coupling.laid_strain[columns] -= by_strain * (weights_of_strain @ strain)
             blocks.slip[:n, columns] -= relative_strain / nip.slope_scale
-
-    @staticmethod
-    def _by_unknowns(layout: Layout, by_p: Array, by_q: Array) -> Array:
-        """Return derivatives by the unknowns of a nip from those by the loads on the roll's face.
-
-        The hoop pressure in the nip, by which p+ and p- differ, is neglected.  ``by_p``, ``by_q``
-        are (m, nodes of the face); the result is (m, unknowns of the nip).
-        """
-        out = np.zeros((len(by_p), layout.size))
-        on_roll = np.nonzero(layout.p_nodes > layout.first)[0]  # unknowns: pressures on the roll
-        out[:, on_roll] = by_p[:, layout.p_nodes[on_roll] - layout.first]
-        out[:, layout.roll_q] = by_q[:, 1:-1]
-        return out
 
     def _blocks(self, jacobian: Jacobian, index: int) -> Jacobian:
         """Return the rows of nip ``index`` in the Jacobian of all nips, as views."""
