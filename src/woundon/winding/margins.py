@@ -478,7 +478,7 @@ DRUMS = share("F/mu P", "largest winding force of a drum / its friction").named(
     "drum_friction_used"
 )
 BAND = strain("eps_b", "largest strain of the thickest lane (gauge band)").named("band_strain")
-FACE = strain("eps_f", "largest strain at a face of the web, with bending").named("face_strain")
+FACE = strain("eps_f", "largest strain at a face, with bending").named("face_strain")
 EVEN = "of a web of even thickness"
 RIDGE = length("dR", "height of the ridge over the thickest lane", "um").named("ridge_height")
 # where the torque meets no capacity at all: the margin is infinite
