@@ -154,7 +154,8 @@ class SemismoothNewton:
     def __init__(self, system: System, neighbour: SemismoothNewton | None = None) -> None:
         self.system, self.counts = system, Counts()
         self.jacobian: Jacobian | None = None
-        self.assembled_ln_a, self.size = np.full(system.ln_a.size, np.inf), np.inf
+        # half widths of that Jacobian, and size of the last step; infinite as there are none yet
+        self.assembled_ln_a, self.step_size = np.full(system.ln_a.size, np.inf), np.inf
         self.jacobian_is_current = False  # True if the last step had the Jacobian of its state
         self.linear: _LinearSystem | None = neighbour.linear if neighbour else None
 
@@ -178,7 +179,7 @@ class SemismoothNewton:
         NewtonFailed
         """
         visits: dict[bytes, int] = {}
-        self.size, violated = np.inf, np.ones(active.size, dtype=bool)
+        self.step_size, violated = np.inf, np.ones(active.size, dtype=bool)
         coefficients = COEFFICIENTS * tolerance
         state = self.system.evaluate(u, coefficients)
         for _ in range(MAX_ITERATIONS + active.size):
@@ -215,23 +216,24 @@ class SemismoothNewton:
         residual = np.append(state.equilibrium, friction_residual(state, active))
         if not np.isfinite(residual).all():
             raise NewtonFailed("the residual is not finite")
-        linear, last_size, was_current = self.linear, self.size, self.jacobian_is_current
+        linear, last_size, was_current = self.linear, self.step_size, self.jacobian_is_current
         stalled = False
         is_same = linear is not None and np.array_equal(linear.active, active)
         if linear is not None and (
             is_same or (last_size <= LARGE_STEP and linear.serves(state, active))
         ):
             linear.set_active(active)
-            step, self.size = linear.newton_step(residual)
+            step, self.step_size = linear.newton_step(residual)
             self.jacobian_is_current = False
-            if not is_same or self.size < CONTRACTION * last_size:
-                return step, self.size
+            if not is_same or self.step_size < CONTRACTION * last_size:
+                return step, self.step_size
             stalled = True
-        step, self.size = self._factorise(state, active, stalled).newton_step(residual)
+        step, self.step_size = self._factorise(state, active, stalled).newton_step(residual)
         # two steps with current Jacobians that do not shrink are due to rounding
-        if stalled and was_current and last_size < ROUNDING and self.size > CONTRACTION * last_size:
+        does_not_shrink = self.step_size > CONTRACTION * last_size
+        if stalled and was_current and last_size < ROUNDING and does_not_shrink:
             return step, 0.0
-        return step, self.size
+        return step, self.step_size
 
     def _factorise(self, state: Any, active: Array, stalled: bool) -> _LinearSystem:
         """Factorise the system of an active set, with a new Jacobian if the latest one is poor.

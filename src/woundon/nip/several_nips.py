@@ -124,8 +124,9 @@ class SeveralNips:
         ]
         nips = self.nips
         web = problem.web
-        self.stretch = web.compliance.c11 / web.thickness
-        # parts of the unknowns, the equilibrium equations and the traction nodes of each nip
+        self.stretch = web.compliance.c11 / web.thickness  # strain of the web by its tension, m/N
+        # parts of the unknowns, the equilibrium equations and the traction nodes of each nip; the
+        # tractions q are its last unknowns, and there are as many equilibrium equations as others
         self.unknowns = _parts([nip.layout.size for nip in nips])
         self.equilibrium = _parts([nip.layout.q.start for nip in nips])
         self.tractions = _parts([nip.layout.traction_count for nip in nips])
