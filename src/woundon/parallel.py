@@ -299,7 +299,7 @@ class Worker:
             self._flag.touch()
 
     def kill(self) -> None:
-        """Kill the process and wait for its end; one that another thread is starting, afterwards."""
+        """Kill the process and wait for its end; if it is being started, kill it afterwards."""
         with self._changing:
             executor, self._executor = self._executor, None
             if executor is not None:
