@@ -35,10 +35,14 @@ def squares_by_a_pool(x: int) -> list[int]:
     return sorted(answer for _, answer in in_processes(square, range(x), 2))
 
 
-def sleeps(x: int, folder: str, seconds: float = 60.0) -> int:
-    """Leave a file named for its process, and sleep."""
+RELEASE = "release"
+
+
+def waits_for_release(x: int, folder: str) -> int:
+    """Leave a file named for its process, and wait for the file RELEASE in the folder."""
     (Path(folder) / str(os.getpid())).touch()
-    time.sleep(seconds)
+    while not (Path(folder) / RELEASE).exists():
+        time.sleep(0.01)
     return x
 
 

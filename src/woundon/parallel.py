@@ -259,6 +259,7 @@ class Worker:
         self._flag = Path(gettempdir()) / f"woundon-{os.urandom(16).hex()}"
         self._executor: Any = None
         self._last: Future[Any] | None = None
+        self._changing = threading.Lock()  # while a process is started or killed
 
     def submit(self, work: Callable[[*Args], Answer], *args: *Args) -> Future[Answer]:
         """Start ``work(*args)`` in the process, which must be idle.
@@ -266,8 +267,8 @@ class Worker:
         The future raises ``BrokenExecutor`` if the process dies, another ``RuntimeError`` if it is
         killed.
         """
-        self._flag.unlink(missing_ok=True)  # of a cancellation of the item before
-        with _interrupts_deferred():
+        with _interrupts_deferred(), self._changing:
+            self._flag.unlink(missing_ok=True)  # of a cancellation of the item before
             future = self._last = self._submit(work, *args)
         return future
 
@@ -293,31 +294,35 @@ class Worker:
         return self._executor.submit(work, *args)
 
     def cancel(self) -> None:
-        """Let the next call of :func:`progress` in the process raise ``Cancelled``."""
-        self._flag.touch()
+        """Let the next call of :func:`progress` in a living process raise ``Cancelled``."""
+        if self._executor is not None:  # nobody would remove the file of a worker that is killed
+            self._flag.touch()
 
     def kill(self) -> None:
-        """Kill the process and wait for its end."""
-        executor, self._executor = self._executor, None
-        if executor is not None:
-            # loky's thread fails on an item that it has not taken from its queue yet
-            while self._last is not None and not (self._last.running() or self._last.done()):
-                time.sleep(0.001)
-            _end(executor)
-        self._flag.unlink(missing_ok=True)
+        """Kill the process and wait for its end; if it is being started, kill it afterwards."""
+        with self._changing:
+            executor, self._executor = self._executor, None
+            if executor is not None:
+                # loky's thread fails on an item that it has not taken from its queue yet
+                while self._last is not None and not (self._last.running() or self._last.done()):
+                    time.sleep(0.001)
+                _end(executor)
+            self._flag.unlink(missing_ok=True)
 
 
 def _end(executor: Any) -> None:
     """Kill the process of an executor and wait for the ends of its threads.
 
     Loky waits for one of them only.  The other, which writes to the process, removes semaphores
-    when it ends; a command that ends meanwhile would complain about leaked ones.  If it is stopped
-    within a write to the killed process, it never ends, and removes nothing.
+    when it ends; a command that ends meanwhile would complain about leaked ones.  A write to the
+    killed process fails as soon as nobody can read it; this process holds the last reading end.
     """
-    writer = executor._call_queue._thread
+    queue = executor._call_queue
+    writer = queue._thread
     executor.shutdown(kill_workers=True)
     if writer is not None:
-        writer.join(timeout=1.0)
+        queue._reader.close()
+        writer.join()
 
 
 @cache

@@ -7,6 +7,7 @@ import time
 
 import hostile_requests
 import httpx
+import psutil
 import pytest
 
 
@@ -43,9 +44,16 @@ def test_workers_killed_at_work_give_one_error_and_the_next_request_is_served(pr
         answers.append(httpx.post(f"{process.address}/api/solve", json=slow, timeout=120,
                                   params={"nodes": 257}))  # fmt: skip
 
-    thread = threading.Thread(target=ask)
+    def spent():
+        return {pid: psutil.Process(pid).cpu_times().user for pid in process.workers()}
+
+    thread, before, limit = threading.Thread(target=ask), spent(), time.monotonic() + 60
     thread.start()
-    time.sleep(0.5)
+    while not any(
+        now > before.get(pid, 0.0) + 0.3 for pid, now in spent().items()
+    ):  # one works at it
+        assert time.monotonic() < limit
+        time.sleep(0.02)
     for pid in process.workers():
         os.kill(pid, signal.SIGKILL)
     thread.join()

@@ -66,14 +66,14 @@ def test_a_study_is_cancelled_by_its_session(client, cases):
     assert client.post("/api/cancel").json() == {"cancelled": True}
     began = time.monotonic()
     assert [event["event"] for event in stream][-1] == "cancelled"
-    assert time.monotonic() - began < 20  # a case alone takes about as long on a busy machine
+    assert time.monotonic() - began < 60  # all cases take minutes on such a machine
 
 
 def test_a_study_ends_with_the_page_that_asked(client, cases):
     stream = events(client, slow(cases))
     next(stream)
     stream.close()
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + 120
     while client.post("/api/cancel").json()["cancelled"]:
         assert time.monotonic() < deadline
         time.sleep(0.2)
@@ -133,18 +133,19 @@ def test_a_study_of_nothing_is_rejected(client, cases, change, field):
 
 def test_a_long_study_of_another_leaves_states_their_worker(client, server, cases):
     """They have processes of their own: a state comes while all workers of studies are busy."""
-    stop = threading.Event()
+    begun, stop = threading.Event(), threading.Event()
 
     def study():
         with httpx.Client(base_url=server, timeout=120, headers={"X-Session": "long-study"}) as own:
             for _ in events(own, slow(cases)):
+                begun.set()
                 if stop.is_set():
                     return
 
     thread = threading.Thread(target=study)
     thread.start()
     try:
-        time.sleep(1)
+        assert begun.wait(60)
         answer = client.post("/api/solve", json=cases["nip"])
         assert answer.status_code == 200
     finally:
@@ -267,7 +268,7 @@ def test_an_operating_window_that_fails_or_is_abandoned_admits_the_next(client, 
     stream = window_events(client, cases, SPREADS)
     assert next(stream)["event"] == "progress"
     stream.close()
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + 120
     body = {"case": cases["winding"], "uncertain": "no-such-grade"} | WINDOW
     while client.post("/api/window", json=body).status_code == 503:
         assert time.monotonic() < deadline

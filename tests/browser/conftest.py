@@ -17,6 +17,7 @@ pytest.importorskip("playwright", reason="needs playwright (pip install 'woundon
 from browser_session import browsing, chromium
 
 HERE = Path(__file__).parent
+PATIENCE = 120_000  # [ms] for what takes seconds on an idle machine
 # said by the browser of every refusal, which the page tells at its field
 REFUSED = re.compile(r"Failed to load resource: the server responded with a status of (4\d\d)")
 
@@ -46,10 +47,10 @@ def browser():
 # The answer has come, and what is drawn after it as well: effects and canvases take two frames.
 # Looked at now and then: whoever waits for frames has the browser draw sixty a second.
 RESTING = """async () => {
-    const end = performance.now() + 60_000
+    const end = performance.now() + 120_000
     for (let frames = 0; frames < 3; frames++) {
         while (!document.querySelector(".working:not(.busy):not(.rough)")) {
-            if (performance.now() > end) throw new Error("something is solved for a minute")
+            if (performance.now() > end) throw new Error("something is solved for two minutes")
             await new Promise((again) => setTimeout(again, 20))
             frames = 0
         }
@@ -69,6 +70,7 @@ def desk(browser):
     def numbered(k):
         while len(pages) <= k:
             pages.append(browser.new_context().new_page())
+            pages[-1].set_default_timeout(PATIENCE)
         return pages[k]
 
     yield numbered
@@ -134,6 +136,13 @@ class Seen:
         self.page.select_option("[id='f-tension_law']", label="friction")
         self.page.wait_for_selector(".margins", timeout=120_000)
 
+    def read(self, panel):
+        """Return the number under the cursor of a panel as soon as it is there."""
+        place = f"[data-panel={panel}] [data-value='0']"
+        shown = "place => document.querySelector(place)?.innerText.match(/\\d/)"
+        self.page.wait_for_function(shown, arg=place)
+        return float(self.page.inner_text(place))
+
     def rest(self):
         """Wait until nothing is solved any more, and all of it is drawn."""
         self.page.evaluate(RESTING)
@@ -141,14 +150,14 @@ class Seen:
 
     def held(self, is_held):
         """Return the state in the address as soon as `is_held` of it: it follows a change later."""
-        end = time.monotonic() + 60
+        end = time.monotonic() + 120
         while time.monotonic() < end:
             code = self.page.evaluate("() => location.hash")[1:]
             if code and is_held(state := state_of(code)):
                 assert len(code) < 4000
                 return state
             self.page.wait_for_timeout(50)
-        raise AssertionError("the address does not follow for a minute")
+        raise AssertionError("the address does not follow for two minutes")
 
     def output(self, name):
         """Return what an output's card holds, in SI."""
@@ -212,6 +221,7 @@ def look_with(browser, address):
     def opened(script, *, width=1280, height=800):
         context = browser.new_context(viewport={"width": width, "height": height})
         context.add_init_script(script)
+        context.set_default_timeout(PATIENCE)
         pages.append(Seen(context.new_page(), address))
         return pages[-1].open()
 

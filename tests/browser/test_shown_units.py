@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 
@@ -127,7 +128,7 @@ def test_a_panel_stays_zoomed_into_the_same_range(look):
         """Return x [m] at a quarter of the width."""
         box = page.locator("[data-panel=pressure] .u-over").bounding_box()
         page.mouse.move(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
-        place = page.locator("[data-panel=pressure] .at")
+        place = page.locator("[data-panel=pressure] .at", has_text=re.compile(r"\d"))
         number = place.inner_text().split()[-2].replace("−", "-")
         return float(number) * SIZES[place.get_attribute("data-unit")]
 

@@ -7,6 +7,7 @@ import shutil
 import sqlite3
 import subprocess
 import sys
+import threading
 from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
@@ -249,26 +250,46 @@ def test_two_at_work_in_one_folder_write_the_same(tmp_path: Path):
     run(tmp_path, Other(), resume=True)
 
 
+def test_a_study_that_another_process_creates_meanwhile_is_resumed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """It comes between the look for the file and the look into the folder."""
+    lexists, looked = os.path.lexists, []
+
+    def lexists_before(path: Path) -> bool:
+        if looked:
+            return lexists(path)
+        looked.append(path)
+        run(tmp_path)  # the other one
+        return False
+
+    monkeypatch.setattr(os.path, "lexists", lexists_before)
+    assert run(tmp_path, resume=True).failed.size == 0
+
+
 def test_a_write_waits_for_the_transaction_of_another_process(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    """Which lasts 0.5 s here, less than the limit; a longer one ends the study in one line."""
+    """Which ends after 0.5 s, before the limit; a longer one ends the study in one line."""
     holder = (
-        "import sqlite3, sys, time\n"
+        "import sqlite3, sys\n"
         "connection = sqlite3.connect(sys.argv[1], isolation_level=None)\n"
         "connection.execute('BEGIN EXCLUSIVE')\n"
         "print('locked', flush=True)\n"
-        "time.sleep(0.5)\n"
+        "sys.stdin.readline()\n"
         "connection.execute('COMMIT')\n"
     )
     run(tmp_path)
     command = [sys.executable, "-c", holder, str(tmp_path / "study.sqlite")]
     for patience in (60.0, 0.0):
         monkeypatch.setattr(store, "PATIENCE", patience)
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        pipe = subprocess.PIPE
+        with subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True) as process:
+            assert process.stdin is not None
             assert process.stdout is not None
             assert process.stdout.readline() == "locked\n"
             if patience:
+                threading.Timer(0.5, process.stdin.close).start()  # which ends the transaction
                 assert run(tmp_path, resume=True).failed.size == 0
             else:
                 with pytest.raises(OSError, match="database is locked; chunks in the file remain"):

@@ -59,7 +59,7 @@ def test_an_unknown_field_cannot_be_left_out(case: str, name: str, none: str):
 def test_a_very_deep_name_is_rejected_at_once(case: str, name: str, value: str, capsys: Capture):
     start = time.perf_counter()
     assert cli.main(["solve", case, "--set", f"{name}={value}"]) == 2
-    assert time.perf_counter() - start < 5.0
+    assert time.perf_counter() - start < 60.0  # of a regular 0.1 s; it would end in no case
     assert len(capsys.readouterr().err) < LONGEST_LINE
 
 

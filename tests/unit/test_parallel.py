@@ -6,8 +6,10 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
 from functools import partial
@@ -36,6 +38,14 @@ def children() -> set[int]:
             if int(parent) == os.getpid() and state != "Z" and b"popen_loky" in command:
                 found.add(int(stat.parent.name))
     return found
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    """Wait until a condition is true; a minute at most."""
+    limit = time.monotonic() + 60
+    while not condition():
+        assert time.monotonic() < limit
+        time.sleep(0.01)
 
 
 def test_every_item_comes_with_its_answer():
@@ -89,7 +99,7 @@ def test_a_closed_generator_leaves_no_process():
     found = in_processes(process_tasks.square, range(8), 2)
     next(found)
     if sys.platform == "linux":
-        assert len(children()) == 2
+        wait_for(lambda: len(children()) == 2)  # the other one may still be starting
     found.close()
     assert children() == set()
 
@@ -102,14 +112,11 @@ def test_work_is_cancelled_at_its_next_progress_and_the_worker_goes_on():
     worker = Worker()
     try:
         process = worker.submit(os.getpid).result()
-        work = worker.submit(process_tasks.waits, 60.0)
-        time.sleep(0.2)
-        assert not work.done()
-        began = time.monotonic()
+        work = worker.submit(process_tasks.waits, 600.0)
+        wait_for(work.running)
         worker.cancel()
         with pytest.raises(Cancelled):
-            work.result(30)
-        assert time.monotonic() - began < 5
+            work.result(60)
         assert worker.submit(os.getpid).result() == process  # the flag is cleared
         assert worker.submit(process_tasks.waits, 0.05).result() == 0.05
     finally:
@@ -136,24 +143,63 @@ def test_no_thread_outlives_its_worker(monkeypatch: pytest.MonkeyPatch):
 
     def feed_slowly(*args: object) -> None:
         feed(*args)
-        time.sleep(0.3)
+        time.sleep(1.5)
 
     monkeypatch.setattr(queues.Queue, "_feed", staticmethod(feed_slowly))
-    before = threading.enumerate()
+    before = set(threading.enumerate())
     worker = Worker()
     assert worker.submit(abs, -1).result() == 1
     worker.kill()
-    assert threading.enumerate() == before
+    assert set(threading.enumerate()) <= before
 
 
 def test_a_worker_is_killed_while_it_is_sent_more_than_its_pipe_holds():
+    """The thread that writes ends too: nobody can read any more."""
+    before = set(threading.enumerate())
     worker = Worker()
     assert worker.submit(abs, -1).result() == 1
-    worker.submit(time.sleep, 60)
-    begun = time.monotonic()
+    worker.submit(time.sleep, 600)
     worker._executor.submit(len, bytes(1 << 24))  # 16 MB; a pipe holds 64 kB
     worker.kill()
-    assert time.monotonic() - begun < 30  # it would wait for a reader for ever
+    assert set(threading.enumerate()) <= before
+
+
+def test_a_worker_is_killed_while_another_thread_starts_its_process(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    """Otherwise a process would start that nobody kills."""
+    pipe, starting = parallel._parent_pipe, threading.Event()
+
+    def pipe_slowly() -> object:
+        starting.set()
+        time.sleep(0.5)
+        return pipe()
+
+    monkeypatch.setattr(parallel, "_parent_pipe", pipe_slowly)
+    worker = Worker()
+    thread = threading.Thread(target=worker.submit, args=(time.sleep, 600))
+    thread.start()
+    starting.wait()
+    worker.kill()
+    thread.join()
+    left = worker._executor
+    worker.kill()
+    assert left is None
+    assert children() == set()
+
+
+def test_a_cancellation_after_the_end_of_a_worker_leaves_no_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """As of a request whose server ends meanwhile."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    worker = Worker()
+    assert worker.submit(abs, -1).result() == 1
+    worker.cancel()
+    assert list(tmp_path.glob("woundon-*"))
+    worker.kill()
+    worker.cancel()
+    assert not list(tmp_path.glob("woundon-*"))
 
 
 def test_a_worker_is_killed_while_it_works():
@@ -161,7 +207,7 @@ def test_a_worker_is_killed_while_it_works():
     work = worker.submit(time.sleep, 60)
     worker.kill()
     with pytest.raises(RuntimeError, match="shutdown"):
-        work.result(5)
+        work.result(60)
     assert worker.submit(process_tasks.square, 3).result() == 9
     worker.kill()
 
@@ -251,7 +297,7 @@ print(int(np.isfinite(data.wound_on_tension).sum()), "solved")
 def test_a_study_in_a_script_without_a_guard(tmp_path: Path):
     """40 chunks, of which the workers hold two at a time."""
     (tmp_path / "study.py").write_text(STUDY, encoding="utf-8")
-    said, complained = _start(str(tmp_path / "study.py")).communicate(timeout=60)
+    said, complained = _start(str(tmp_path / "study.py")).communicate(timeout=300)
     assert said.splitlines() == ["the script runs", "80 solved"]
     assert complained == ""
 
@@ -273,7 +319,7 @@ print(sorted(in_processes(half, range(4), 2)))
 def test_work_defined_in_a_script_without_a_guard(tmp_path: Path):
     path = tmp_path / "own.py"
     path.write_text(OWN, encoding="utf-8")
-    said, complained = _start(str(path)).communicate(timeout=60)
+    said, complained = _start(str(path)).communicate(timeout=300)
     assert said == "[(0, 0.0), (1, 0.5), (2, 1.0), (3, 1.5)]\n"
     assert complained == ""
 
@@ -285,22 +331,20 @@ from functools import partial
 import process_tasks
 from woundon.parallel import in_processes
 
-folder, finishing, seconds = sys.argv[1:]
-work = partial(process_tasks.sleeps, folder=folder, seconds=float(seconds))
+folder, finishing = sys.argv[1:]
+work = partial(process_tasks.waits_for_release, folder=folder)
 for item, _ in in_processes(work, range(50), 2, finishing=finishing):
     print(item, flush=True)
 """
 
 
-def _asleep(tmp_path: Path, finishing: str, seconds: float) -> tuple[subprocess.Popen, list[int]]:
-    """Start two workers that sleep over each item; return the script and the workers' ids."""
+def _asleep(tmp_path: Path, finishing: str) -> tuple[subprocess.Popen, list[int]]:
+    """Start two workers that wait over each item; return the script and the workers' ids."""
     pids = tmp_path / "pids"
     pids.mkdir()
     (tmp_path / "sleep.py").write_text(SLEEPERS, encoding="utf-8")
-    script = _start(str(tmp_path / "sleep.py"), str(pids), finishing, str(seconds))
-    limit = time.monotonic() + 60
-    while len(list(pids.iterdir())) < 2 and script.poll() is None and time.monotonic() < limit:
-        time.sleep(0.01)
+    script = _start(str(tmp_path / "sleep.py"), str(pids), finishing)
+    wait_for(lambda: len(list(pids.iterdir())) == 2 or script.poll() is not None)
     found = [int(path.name) for path in pids.iterdir()]
     assert len(found) == 2
     assert all(map(_alive, found))
@@ -316,20 +360,13 @@ def _alive(pid: int) -> bool:
         return False
 
 
-def _gone(pids: list[int]) -> bool:
-    limit = time.monotonic() + 5
-    while any(map(_alive, pids)) and time.monotonic() < limit:
-        time.sleep(0.01)
-    return not any(map(_alive, pids))
-
-
 @posix
 @pytest.mark.parametrize("send", [slow_case(os.kill), os.killpg])
 def test_ctrl_c_stops_at_once_and_leaves_no_worker(tmp_path: Path, send):
-    """To the parent alone, and to the whole group as a terminal does; its work takes a minute."""
-    script, pids = _asleep(tmp_path, "", 60)
+    """To the parent alone, and to the whole group as a terminal does; its work does not end."""
+    script, pids = _asleep(tmp_path, "")
     send(script.pid, signal.SIGINT)
-    said, complained = script.communicate(timeout=5)
+    said, complained = script.communicate(timeout=60)
     assert script.returncode == -signal.SIGINT
     assert said == ""
     assert complained.count("Traceback") == 1  # the script's own
@@ -338,10 +375,11 @@ def test_ctrl_c_stops_at_once_and_leaves_no_worker(tmp_path: Path, send):
 
 @posix
 def test_the_first_ctrl_c_finishes_what_is_under_way_where_asked(tmp_path: Path):
-    script, pids = _asleep(tmp_path, "finishing", 2.0)
+    script, pids = _asleep(tmp_path, "finishing")
     os.killpg(script.pid, signal.SIGINT)
-    said, complained = script.communicate(timeout=10)
-    assert complained.startswith("finishing\n")
+    assert script.stderr.readline() == "finishing\n"
+    (tmp_path / "pids" / process_tasks.RELEASE).touch()
+    said, _ = script.communicate(timeout=60)
     assert sorted(said.split()) == ["0", "1"]
     assert script.returncode == -signal.SIGINT
     assert not any(map(_alive, pids))
@@ -349,19 +387,19 @@ def test_the_first_ctrl_c_finishes_what_is_under_way_where_asked(tmp_path: Path)
 
 @posix
 def test_the_second_ctrl_c_stops_at_once(tmp_path: Path):
-    script, pids = _asleep(tmp_path, "finishing", 60)
+    script, pids = _asleep(tmp_path, "finishing")
     os.killpg(script.pid, signal.SIGINT)
     assert script.stderr.readline() == "finishing\n"
     assert all(map(_alive, pids))
     os.killpg(script.pid, signal.SIGINT)
-    script.communicate(timeout=5)
+    script.communicate(timeout=60)
     assert script.returncode == -signal.SIGINT
     assert not any(map(_alive, pids))
 
 
 @posix
 def test_kill_9_leaves_no_worker(tmp_path: Path):
-    script, pids = _asleep(tmp_path, "", 60)
+    script, pids = _asleep(tmp_path, "")
     script.kill()
-    script.communicate(timeout=5)
-    assert _gone(pids)
+    script.communicate(timeout=60)
+    wait_for(lambda: not any(map(_alive, pids)))

@@ -152,7 +152,8 @@ def open_store(
     folder = Path(folder)
     path = folder / FILE
     if not os.path.lexists(path):
-        if folder.is_dir() and any(folder.iterdir()):
+        # looked for again: another process may have created it since
+        if folder.is_dir() and any(folder.iterdir()) and not os.path.lexists(path):
             raise InvalidProblem.at(str(folder), "is not empty and contains no study")
         folder.mkdir(parents=True, exist_ok=True)
     elif not path.is_file():

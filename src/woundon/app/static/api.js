@@ -39,8 +39,14 @@ async function asked(path, body, signal) {
   throw details ? new Problem(details, answer.status) : unreachable();
 }
 
-const json = async (...call) => (await asked(...call)).json();
-const text = async (...call) => (await asked(...call)).text();
+/** Read the body of an answer as "json", "text" or "blob"; it may break off, as when the server ends. */
+async function read(as, ...call) {
+  const answer = await asked(...call);
+  return answer[as]().catch((fault) => { throw fault.name === "AbortError" ? fault : unreachable(); });
+}
+
+const json = (...call) => read("json", ...call);
+const text = (...call) => read("text", ...call);
 const query = (options) => {
   const fields = new URLSearchParams(Object.entries(options).filter(([, value]) => value != null && value !== false));
   return fields.size ? `?${fields}` : "";
@@ -56,10 +62,10 @@ export const withGrade = (tables, grade) => json("/api/grade", { case: tables, g
 export const readCase = (toml) => json("/api/case/read", { toml });
 export const writeCase = (tables) => text("/api/case/write", tables);
 export const python = (tables) => text("/api/python", tables);
-export const file = async (format, body) => (await asked(`/api/file${query({ format })}`, body)).blob();
-export const figure = async (format, body) => (await asked(`/api/figure${query({ format })}`, body)).blob();
-export const report = async (body) => (await asked("/api/report", body)).blob();
-export const exhibit = async (name, signal) => (await asked(`/api/thesis/${encodeURIComponent(name)}`, undefined, signal)).blob();
+export const file = (format, body) => read("blob", `/api/file${query({ format })}`, body);
+export const figure = (format, body) => read("blob", `/api/figure${query({ format })}`, body);
+export const report = (body) => read("blob", "/api/report", body);
+export const exhibit = (name, signal) => read("blob", `/api/thesis/${encodeURIComponent(name)}`, undefined, signal);
 
 /** A stream of events, one line each; abort the signal to cancel. */
 async function stream(path, body, handle, signal) {

@@ -162,7 +162,7 @@ export class Store {
       this.take(kind, problem);
       this.set({ grade: { name, web: webOf(problem) } });
     } catch (fault) {
-      this.showErrors(fault);
+      if (tables === this.state.case) this.showErrors(fault);
     }
   }
 
@@ -204,7 +204,7 @@ export class Store {
 
   /** Change the kind; values that both kinds have stay, a schedule with its value at the core. */
   async goTo(name) {
-    const { case: now, kind, others, result, solved } = this.state;
+    const { case: now, kind, others, result, solved, tab } = this.state;
     const next = this.kindOf(name);
     if (kind === "nip") this.tensionOfNip = solved === now ? result.outputs.roll_wound_on_tension?.value : undefined;
     const { grade } = this;
@@ -212,7 +212,7 @@ export class Store {
     let before = others[name] ?? next.example;
     if (grade && next.has_grades && !same(webOf(before), webOf(now))) { // else the roll would be of another paper
       before = await api.withGrade(before, grade).then((answer) => answer.problem, () => before);
-      if (now !== this.state.case) return;
+      if (now !== this.state.case || tab !== this.state.tab) return; // left for another meanwhile
     }
     const carried = ([path, value]) => {
       if (fields.get(path).type === "number" && typeof value === "object") return [path, atCore(value)];
@@ -249,7 +249,8 @@ export class Store {
     this.newest.ask(async (signal) => {
       await this.solved(kind, tables, moving ? { warm: true } : {}, signal);
       // from the picture on: on a slow machine a rest from the change on would begin before it
-      if (tables === this.state.case) this.resting = setTimeout(() => this.rest(moving), REST);
+      // still busy then: a request that was sent before, and came after it, took its place
+      if (tables === this.state.case) this.resting = setTimeout(() => (this.state.busy ? this.solve() : this.rest(moving)), REST);
     });
   }
 
@@ -304,7 +305,8 @@ export class Store {
     if (!moving) return fill();
     return this.newest.ask(async (signal) => {
       await this.solved(kind, tables, { report: true }, signal);
-      fill();
+      if (this.state.rough && tables === this.state.case) this.resting = setTimeout(() => this.rest(moving), REST);
+      else fill();
     });
   }
 
