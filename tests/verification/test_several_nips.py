@@ -14,11 +14,13 @@ from typing import Any
 import numpy as np
 import pytest
 from coupled_nips import Case, Nip
+from random_nips import random_two_nips
 from slow_cases import campaign_case, slow_case
 
 import woundon as wo
 from woundon.contact.newton import NewtonFailed
 from woundon.nip import roll_contact
+from woundon.nip import solve as nip_solve
 from woundon.nip.several_nips import SeveralNips
 
 NEWSPRINT = wo.NipProblem.example()  # P = 3502 N/m on a drum of 76.2 mm, T_in = 350 N/m
@@ -432,3 +434,27 @@ def test_jacobian_is_the_derivative_of_the_residuals() -> None:
         unit = np.abs(differences * system.scales).max()
         assert np.delete(error, system.ln_a, axis=1).max() < 0.01 * unit
         assert error[:, system.ln_a].max() < 0.1 * unit  # it only slows the convergence
+
+
+# ---- a slack web --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("nodes", [97, slow_case(None)])
+def test_a_web_that_is_slack_on_coarse_meshes_has_no_steady_state(nodes: int | None) -> None:
+    """The tension falls to -164 N/m behind the first nip: the hoop pressure pulls at the roll.
+
+    Meshes of 13 to 63 nodes: -145, -165, -165, -163 N/m; with 97 nodes there is no solution.
+    """
+    with pytest.raises(wo.NoSteadyState, match=r"web_tension: .* its tension falls to -16[2-5]"):
+        wo.solve(random_two_nips(9093), nodes=nodes)
+
+
+def test_a_web_that_is_slack_within_the_error_of_coarse_meshes_may_have_a_steady_state(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def uncertain(sizes: Any, tensions: Any) -> Any:
+        return np.full(np.shape(tensions)[1:], 1000.0)
+
+    monkeypatch.setattr(nip_solve, "richardson_estimates", uncertain)
+    with pytest.raises(wo.NotConverged, match="no solution"):
+        wo.solve(random_two_nips(9093), nodes=97)
