@@ -34,6 +34,7 @@ class Side(NamedTuple):
     surface: SurfaceResponse
     radius: float
     flattening: float  # 1/R^2 of a cylinder, 0 of a half-plane or a rigid body
+    ends: bool = True  # False if the pressure continues on the face of the next nip
 
     def displacement(self, slope: Array, p: Array, q: Array, a: float) -> Array:
         """Return the normal displacement v at the n nodes [m].
@@ -47,7 +48,7 @@ class Side(NamedTuple):
 
         ``slope`` is that at the points of the face, (n+1,), under the nodal loads p and q, (n,).
         """
-        out = 1 / self.radius + self.face.curvature_change(slope, a)
+        out = 1 / self.radius + self.face.curvature_change(slope, a, self.ends)
         if self.flattening:
             out -= self.flattening * self.displacement(slope, p, q, a)
         return out
@@ -62,7 +63,7 @@ class Side(NamedTuple):
         if self.surface.rigid:
             return None
         slopes = tangent.slope_p, tangent.slope_q
-        by_p, by_q = (self.face.curvature_change(slope, a) for slope in slopes)
+        by_p, by_q = (self.face.curvature_change(slope, a, self.ends) for slope in slopes)
         if self.flattening:
             ends = self.surface.end_tangent(p, q)
             for out, slope, end in zip((by_p, by_q), slopes, ends, strict=True):

@@ -222,7 +222,8 @@ class NipEquations(ContactEquations[Geometry, NipState]):
     def geometry(self, a: float, tolerance: float = 0.0) -> Geometry:
         """Return mesh and surfaces for a half width, with an error below a tolerance."""
         mesh = self.mesh(a)
-        return Geometry(a, mesh, *self.sides(a, (mesh.roll_face, mesh.drum_face), tolerance))
+        roll, drum = self.sides(a, (mesh.roll_face, mesh.drum_face), tolerance)
+        return Geometry(a, mesh, roll._replace(ends=self.is_last), drum)
 
     # ---- residual ------------------------------------------------------------------------------
 
