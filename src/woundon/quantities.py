@@ -226,9 +226,9 @@ def strain(symbol: str, meaning: str) -> Quantity:
     return Quantity(symbol, "1", meaning, "%")
 
 
-def share(symbol: str, meaning: str) -> Quantity:
+def share(symbol: str, meaning: str, typical: Range = None) -> Quantity:
     """Return a share, a ratio or a relative error, shown in percent [1]."""
-    return Quantity(symbol, "1", meaning, "%")
+    return Quantity(symbol, "1", meaning, "%", typical)
 
 
 def angle(symbol: str, meaning: str, typical: Range = None) -> Quantity:

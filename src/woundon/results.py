@@ -294,10 +294,11 @@ class Result(Presented, ReadOnly):
             reasons = ", ".join(violated) or "no condition was evaluated"
             if any(name.startswith("positive_pressure") for name in violated):
                 reasons += "; the surfaces separate within the contact, which the model excludes"
-            outside = [text for text in self.warnings if not text.startswith(RESOLUTION)]
+            # warnings about the validity limits may give the reason, those about the mesh do not
+            beyond_limits = [text for text in self.warnings if not text.startswith(RESOLUTION)]
             shown = f"{accepted:g}".replace("e-0", "e-")  # 1e-8, not 1e-08
             text = f"contact conditions are not satisfied to {shown}: {reasons}"
-            raise NotConverged("; ".join((text, *outside)), self)
+            raise NotConverged("; ".join((text, *beyond_limits)), self)
         return self
 
     def warned(self) -> Self:

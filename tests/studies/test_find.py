@@ -257,6 +257,31 @@ def test_the_command_prints_the_answer_first(tmp_path, capsys):
     assert (tmp_path / "f.svg").exists()
 
 
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("temperature_change", "tangential_expansion, radial_expansion and core_expansion are 0"),
+        ("core_shrinkage", "core_removed = true"),
+        ("radial_expansion", ""),  # without a change of temperature
+    ],
+)
+def test_a_field_without_effect_is_rejected_with_its_reason(name: str, reason: str):
+    roll = wo.RollProblem.example().replace(core_removed=name == "core_shrinkage")
+    expected = f"{name}: has no effect in this case{', as ' if reason else ''}{reason}; must be"
+    with pytest.raises(wo.InvalidProblem) as rejected:
+        wo.find(roll, name, peak_pressure="100 kPa")
+    assert str(rejected.value).startswith(expected)
+
+
+def test_a_change_of_the_finished_roll_is_searched_where_it_is_permitted():
+    roll = wo.RollProblem.example().replace(radial_expansion=1e-5)
+    with pytest.raises(wo.NoSolution) as missed:
+        wo.find(roll, "temperature_change", core_pressure="1 GPa", points=3, rtol=0.01)
+    assert max(np.abs(missed.value.values)) <= 1000
+    with pytest.raises(wo.InvalidProblem, match=r"must be a number >= -1000 and <= 1000 \[K\]"):
+        wo.find(roll, "temperature_change", core_pressure="1 MPa", between=(0, 2000))
+
+
 def test_the_command_as_json_and_its_exit_status(tmp_path, capsys):
     case = tmp_path / "case.toml"
     case.write_text(template("rollers"))

@@ -265,3 +265,11 @@ def test_the_path_of_a_table_may_be_a_text(tmp_path: Path):
     path.write_text("load [kN/m]\n89\n", encoding="utf-8")
     solved = wo.solve_table(str(path), wo.RollerProblem.example(), ["half_width"], nodes=17)
     assert list(solved.index) == [0]
+
+
+def test_a_column_without_a_unit_has_no_brackets(tmp_path: Path) -> None:
+    path = tmp_path / "rolls.csv"
+    path.write_text("wound_on_tension;core_removed\nN/m;\n300;false\n350;true\n")
+    solved = wo.solve_table(path, wo.RollProblem.example(), outputs=["core_pressure"], rtol=0.01)
+    assert list(solved.columns[:2]) == ["wound_on_tension [N/m]", "core_removed"]
+    assert solved["core_pressure [Pa]"].iloc[1] == 0

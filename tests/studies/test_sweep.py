@@ -10,6 +10,7 @@ from thesis_cases import paper_nip
 import woundon as wo
 from woundon.problems.units import parse
 from woundon.studies.api import study_of
+from woundon.studies.cases import as_labels
 from woundon.studies.model import model_of
 
 # both solve the same discrete equations; they differ by the load's tolerance of 1e-10 and rounding
@@ -43,6 +44,31 @@ def test_a_grid_gives_the_numbers_of_single_solves(grid):
                 assert float(case[name]) == pytest.approx(value, rel=SAME), name
             assert str(case.failure.values) == ""
             assert str(case.warnings.values) == "; ".join(single.warnings)
+
+
+def test_an_input_without_effect_is_a_warning_of_its_case():
+    roll = wo.RollProblem.example()
+    heated = wo.sweep(roll, {"temperature_change": [0.0, 10.0]}, ["core_pressure"], rtol=0.01)
+    cold, warm = (str(text) for text in heated.warnings.values)
+    assert cold == ""
+    assert warm == "; ".join(roll.replace(temperature_change=10.0).input_warnings)
+    assert "temperature_change is not used" in warm
+
+
+def test_labels_of_profiles_are_short_and_different():
+    """A scanner's profile has hundreds of positions; other objects keep their complete text."""
+    position = np.linspace(0.0, 2.0, 301)
+    bands = [np.where(abs(position - y) < 0.1, 1.005, 1.0) for y in (0.7, 1.0)]
+    profiles = [wo.ThicknessProfile(position=position, thickness=band) for band in bands]
+    roll = wo.RollProblem.example()
+    outputs, options = ["worst_lane.ridge_height"], {"lanes": 4, "rtol": 0.01}
+    over = {"thickness_profile": [*profiles, profiles[0]]}
+    labels = wo.sweep(roll, over, outputs, options=options)["thickness_profile"].values
+    assert labels[0] == labels[2] != labels[1]
+    assert all(label.startswith("ThicknessProfile(position=(0.0, ..., 2.0)") for label in labels)
+    assert max(map(len, labels)) < 150
+    few = wo.Profile(radius=[0.04, 0.2], value=[300.0, 250.0])
+    assert as_labels(np.array([few, None], dtype=object)).tolist() == [repr(few), "None"]
 
 
 def test_numbers_depend_neither_on_workers_nor_on_the_rest_of_the_study():

@@ -239,3 +239,31 @@ def test_the_linear_ring_has_no_rounding_errors_of_its_factors() -> None:
         left = f - mesh.forces(mesh.strain(u) @ pair._moduli)
         correction = pair._linear_factors(mesh, 0.0)[1].solve(left)
         assert np.max(np.abs(correction)) < 1e-13 * np.max(np.abs(u))
+
+
+def test_a_linear_ring_that_is_not_solved_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Conjugate gradients that stop at once leave the displacements of the factors for 3 a.
+
+    Those of the factors for a are exact up to rounding errors, and are accepted.
+    """
+    pair = constant_rings(27e6, 18e6)
+    mesh, other = (pair.mesh(Fineness(8, 8, 12), a) for a in (A, 3 * A))
+    x = np.linspace(-A, A, 33)
+    hats = mesh.hat_forces(x) @ np.sqrt(np.maximum(A**2 - x**2, 0.0))
+    forces = np.stack([-hats, 0 * hats])
+    expected = pair.linear_displacements(mesh, forces)
+    iterations = 0
+
+    def stopped(K: Any, f: Any, guess: Any, **options: Any) -> tuple[Any, int]:
+        nonlocal iterations
+        iterations += 1
+        return guess, 1
+
+    monkeypatch.setattr(ring_equilibrium, "cg", stopped)
+    u = pair.linear_displacements(mesh, forces)
+    assert iterations == 1  # not repeated with the same factors
+    assert np.max(np.abs(u - expected)) < 1e-9 * np.max(np.abs(expected))  # sqrt of TOLERANCE
+    factors = pair._linear_factors(other, 0.0)
+    monkeypatch.setattr(pair, "_linear_factors", lambda mesh, distance: factors)
+    with pytest.raises(ring_equilibrium.NoEquilibrium, match="linear ring"):
+        pair.linear_displacements(mesh, forces)

@@ -346,3 +346,84 @@ def test_lanes_as_wound_count_where_the_roll_is_changed_later(change: dict[str, 
     assert after["core"].value == pytest.approx(before["core"].value, rel=1e-9)
     assert after["compression"].value >= before["compression"].value * (1 - 1e-9)
     assert after["blocking"].value < before["blocking"].value
+
+
+# ---- yield of the finished roll -----------------------------------------------------------------
+
+GROWTH = {"temperature_change": 40.0, "radial_expansion": 1e-3}  # through the stack alone
+ALIKE = dict.fromkeys(("tangential_expansion", "radial_expansion", "core_expansion"), 1e-4)
+
+
+def test_the_tension_after_the_changes_is_in_the_margins_of_yield(problem: wo.RollProblem) -> None:
+    """A stack that grows through its thickness stretches its layers."""
+    grown, wound = (wo.solve(p, rtol=0.01) for p in (problem.replace(**GROWTH), problem))
+    E_t = problem.stack.tangential
+    T = problem.wound_on_tension / problem.web_thickness
+    assert grown.hoop_stress.max() > 1.1 * T
+    tension = np.maximum(grown.hoop_stress, T) / E_t
+    found = wo.margins(grown)
+    assert found["gauge_band"].value == pytest.approx(tension.max(), rel=1e-12)
+    bent = problem.web_thickness / (2 * grown.radius)
+    assert found["bending"].value == pytest.approx((tension + bent).max(), rel=1e-12)
+    assert wo.margins(wound)["gauge_band"].value == pytest.approx(T / E_t, rel=1e-12)
+
+
+def test_a_free_strain_without_stress_does_not_bring_yield_nearer(problem: wo.RollProblem) -> None:
+    """Layers and core that expand alike in all directions have the stresses of winding."""
+    heated = wo.solve(problem.replace(temperature_change=40.0, **ALIKE), rtol=0.01)
+    strain = problem.wound_on_tension / problem.web_thickness / problem.stack.tangential
+    found = wo.margins(heated)
+    # the hoop stress at the surface is that of winding up to the error of its slope there
+    error = 2 * abs(heated.surface_slope)
+    assert found["gauge_band"].value == pytest.approx(strain, rel=max(error, 1e-9))
+    bent = problem.web_thickness / (2 * problem.core.radius)
+    assert found["bending"].value == pytest.approx(strain + bent, rel=max(error, 1e-9))
+
+
+def test_the_compression_at_the_bore_off_its_core_bends_the_inner_face_further() -> None:
+    """The tension rises towards the surface, and the bore is compressed more than it was taut."""
+    rising = wo.Profile(radius=[0.254, 0.3, 0.75], value=[10e3, 40e3, 40e3])
+    problem = wo.RollProblem(
+        core=wo.Core(diameter=0.508, stiffness=60e9), diameter=1.5, web_thickness=1e-3,
+        wound_on_tension=rising, core_removed=True,
+        stack=wo.Stack(radial=2e9, tangential=200e9, poissons_ratio=0.0, shear=1e9),
+    )  # fmt: skip
+    roll = wo.solve(problem, rtol=0.01)
+    T, E_t = 10e3 / problem.web_thickness, problem.stack.tangential
+    compression = -float(roll.hoop_stress[0])
+    assert compression > 1.1 * T
+    strain = compression / E_t + problem.web_thickness / (2 * problem.core.radius)
+    found = wo.margins(roll, wo.Limits(yield_strain=strain / 1.01))["bending"]
+    assert found.value == pytest.approx(strain, rel=1e-12)
+    assert found.verdict == "VIOLATED"
+    below = wo.Limits(yield_strain=compression / E_t / 1.01)
+    assert "compression alone" in wo.margins(roll, below)["bending"].note
+
+
+def test_lanes_of_equal_thickness_yield_as_the_plain_roll(problem: wo.RollProblem) -> None:
+    even = wo.ThicknessProfile(position=[0, 1], thickness=[1, 1])
+    lanes = wo.solve(problem.replace(thickness_profile=even, **GROWTH), rtol=0.01, lanes=4)
+    plain = wo.margins(wo.solve(problem.replace(**GROWTH), rtol=0.01))
+    of_lanes = wo.margins(lanes)
+    for name in ("gauge_band", "bending", "strength"):
+        # the lanes have the discretisation error of the roll, another one at its surface
+        assert of_lanes[name].value == pytest.approx(plain[name].value, rel=1e-3), name
+
+
+def test_the_change_of_a_lone_lane_is_left_out_in_words(problem: wo.RollProblem) -> None:
+    band = problem.replace(gauge_excess=0.001)
+    for case, is_named in ((band, False), (band.replace(**GROWTH), True)):
+        left_out = wo.margins(coarse_solution(case))["gauge_band"].left_out
+        assert ("own tension after winding" in left_out) == is_named
+
+
+# ---- one way to all margins ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("core_removed", [False, True])
+def test_every_margin_has_its_reserve_as_an_attribute(core_removed: bool) -> None:
+    found = wo.margins(coarse_solution(wo.RollProblem.example().replace(core_removed=core_removed)))
+    for name in module.TITLES:
+        expected = next((m.reserve for m in found if m.name == name), np.nan)
+        assert getattr(found, name) == pytest.approx(expected, nan_ok=True), name
+    assert np.isnan(found.collapse) != core_removed

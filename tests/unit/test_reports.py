@@ -16,9 +16,10 @@ from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import kinds, quantities
-from woundon.report.html_report import _is_omitted
+from woundon.report.html_report import _inputs, _is_omitted
 from woundon.report.nip_report import nip_report
-from woundon.report.report_parts import Row, Section, certificate_line, zone_line
+from woundon.report.report_parts import Row, Section, certificate_line, value_row, zone_line
+from woundon.report.roll_report import changes_sections
 from woundon.report.terminal import print_parts
 from woundon.report.trade_rule import nip_trade_rule, winding_trade_rule
 
@@ -241,6 +242,58 @@ def test_zones_are_drawn_in_proportion_and_short_ones_stay_in_sight(nip):
     assert abs(runs[2][1] - 30) <= 1
     (roll,) = [line for line in str(nip).splitlines() if line.startswith(" roll  ")]
     assert roll.split()[1].count("▶") == pytest.approx(60 * nip.trailing_roll, abs=2)
+
+
+@pytest.mark.parametrize("kind", [wo.RollProblem, wo.WindingProblem, wo.RollerProblem])
+def test_every_input_of_a_report_has_a_meaning(kind: Any):
+    problem = kind.example()
+    if kind is wo.RollProblem:
+        tension = wo.Taper(start=350.0, taper=0.2)
+        problem = problem.replace(core_removed=True, wound_on_tension=tension)
+    if kind is wo.WindingProblem:
+        problem = problem.replace(radius=0.12, tension_law="friction")
+    page = "".join(_inputs([coarse_solution(problem)], ["case"]))
+    rows = re.findall(r"<tr><td[^>]*>(.*?)</td><td[^>]*>(.*?)</td>", page)
+    assert len(rows) > 5
+    assert [name for name, meaning in rows if not meaning] == []
+    if kind is wo.RollProblem:
+        assert "the core or mandrel is removed after winding" in dict(rows)["core_<wbr>removed"]
+
+
+def test_long_lists_of_an_input_are_shortened_and_short_ones_may_be_broken():
+    """A scanner's profile fits to the page; a line of the printed table has about 25 characters."""
+    many = np.linspace(0.0, 2.0, 301)
+    thickness = 66e-6 + 1e-6 * np.sin(9 * many)
+    roll = wo.RollProblem.example().replace(
+        thickness_profile=wo.ThicknessProfile(position=many, thickness=thickness),
+        wound_on_tension=wo.Profile(radius=[0.04, 0.1, 0.15], value=[300.0, 280.0, 250.0]),
+    )
+    page = "".join(_inputs([coarse_solution(roll)], ["case"]))
+    text = page.replace("&nbsp;", " ")
+    low, high = 1e6 * thickness.min(), 1e6 * thickness.max()
+    assert ">301 values, 0 to 2000 mm<" in text
+    assert f">301 values, {low:.5g} to {high:.5g} µm<" in text
+    assert '<span class="list">40, 100, 150&nbsp;mm</span>' in page
+    cells = re.findall(r"<td[^>]*>(?:<span[^>]*>)?([^<]*)", text)
+    assert max(map(len, cells)) < 90
+    even = value_row(quantities.length("h", "thickness", "um"), (66e-6,) * 9)
+    assert even.text == "9 values, 66 um"
+
+
+def test_the_coefficients_of_a_change_are_reported_with_their_grade():
+    grade = wo.grade("newsprint")
+    roll = wo.RollProblem(
+        grade=grade, core=wo.Core(radius=0.05, stiffness=1e9), radius=0.2, moisture_change=-0.02,
+        radial_swelling=0.3, wound_on_tension=300.0,
+    )  # fmt: skip
+    for problem in (roll, roll.replace(core_swelling=0.01)):
+        (section,) = changes_sections(problem)
+        rows = {row.symbol: row for row in section.rows}
+        assert rows["beta_t"].value == grade.tangential_swelling
+        assert rows["beta_t"].note == ", of the grade 'newsprint'"
+        assert (rows["beta_r"].value, rows["beta_r"].note) == (0.3, "")
+        assert ("beta_c" in rows) == bool(problem.core_swelling)
+    assert not list(changes_sections(roll.replace(moisture_change=0.0)))
 
 
 def test_inputs_leave_out_zeros_without_effect_only():

@@ -139,6 +139,36 @@ def test_changes_without_effect_are_warned_of(changes: dict[str, Any], unused: s
     assert not problem.replace(**used).input_warnings
 
 
+def test_the_error_of_a_core_pressure_that_is_exactly_zero_is_zero():
+    """A core that touches the roll nearly, by less than the error of the bore, has an error."""
+    winding = wo.WindingProblem.example().replace(radius=0.12, tension_law="friction")
+    for problem in (ROLL, winding):
+        for away in ({"core_removed": True}, {"core_shrinkage": 0.05}):
+            result = wo.solve(problem.replace(**away))
+            assert (result.core_pressure, result.errors["core_pressure"]) == (0.0, 0.0)
+    held = wo.solve(ROLL.replace(core_shrinkage=1e-4))
+    assert held.errors["core_pressure"] > 0
+    # the bore is released at the shrinkage of its displacement
+    released = wo.solve(ROLL.replace(core_removed=True))
+    just = -released.bore_displacement / ROLL.core.radius * (1 + 1e-7)
+    nearly = wo.solve(ROLL.replace(core_shrinkage=just))
+    assert 0 < nearly.core_gap < nearly.errors["bore_displacement"]
+    assert nearly.errors["core_pressure"] > 0
+
+
+def test_a_change_without_effect_is_no_assumption():
+    text = "Temperature, moisture and shrinkage change the finished roll"
+    for kind in (ROLL, wo.WindingProblem.example()):
+        for changes, expected in (
+            ({"temperature_change": 10.0}, False),
+            ({"core_removed": True, "core_shrinkage": 0.01}, False),
+            ({"temperature_change": 10.0, "radial_expansion": 1e-5}, True),
+            ({"core_shrinkage": 0.01}, True),
+        ):
+            assumptions = " ".join(kind.replace(**changes).assumptions)
+            assert (text in assumptions) == expected, changes
+
+
 def test_a_thin_ring_of_few_layers_collapses():
     """Two ways to the same number: p = E d^3/(4 R^3) of the compressed ring, by hand.
 

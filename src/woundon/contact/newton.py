@@ -154,7 +154,8 @@ class SemismoothNewton:
     def __init__(self, system: System, neighbour: SemismoothNewton | None = None) -> None:
         self.system, self.counts = system, Counts()
         self.jacobian: Jacobian | None = None
-        self.assembled_ln_a, self.size = np.full(system.ln_a.size, np.inf), np.inf
+        # half widths of that Jacobian, and size of the last step; infinite as there are none yet
+        self.assembled_ln_a, self.step_size = np.full(system.ln_a.size, np.inf), np.inf
         self.jacobian_is_current = False  # True if the last step had the Jacobian of its state
         self.linear: _LinearSystem | None = neighbour.linear if neighbour else None
 
@@ -178,7 +179,7 @@ class SemismoothNewton:
         NewtonFailed
         """
         visits: dict[bytes, int] = {}
-        self.size, violated = np.inf, np.ones(active.size, dtype=bool)
+        self.step_size, violated = np.inf, np.ones(active.size, dtype=bool)
         coefficients = COEFFICIENTS * tolerance
         state = self.system.evaluate(u, coefficients)
         for _ in range(MAX_ITERATIONS + active.size):
@@ -215,26 +216,37 @@ class SemismoothNewton:
         residual = np.append(state.equilibrium, friction_residual(state, active))
         if not np.isfinite(residual).all():
             raise NewtonFailed("the residual is not finite")
-        linear, last_size, was_current = self.linear, self.size, self.jacobian_is_current
+        linear, last_size, was_current = self.linear, self.step_size, self.jacobian_is_current
         stalled = False
         is_same = linear is not None and np.array_equal(linear.active, active)
         if linear is not None and (
             is_same or (last_size <= LARGE_STEP and linear.serves(state, active))
         ):
             linear.set_active(active)
-            step, self.size = linear.newton_step(residual)
+            step, self.step_size = linear.newton_step(residual)
             self.jacobian_is_current = False
-            if not is_same or self.size < CONTRACTION * last_size:
-                return step, self.size
+            if not is_same or self.step_size < CONTRACTION * last_size:
+                return step, self.step_size
             stalled = True
-        step, self.size = self._factorise(state, active, stalled).newton_step(residual)
+        step, self.step_size = self._factorise(state, active, stalled).newton_step(residual)
         # two steps with current Jacobians that do not shrink are due to rounding
-        if stalled and was_current and last_size < ROUNDING and self.size > CONTRACTION * last_size:
+        does_not_shrink = self.step_size > CONTRACTION * last_size
+        if stalled and was_current and last_size < ROUNDING and does_not_shrink:
             return step, 0.0
-        return step, self.size
+        return step, self.step_size
 
     def _factorise(self, state: Any, active: Array, stalled: bool) -> _LinearSystem:
-        """Factorise the system of an active set, with a new Jacobian if the latest one is poor."""
+        """Factorise the system of an active set, with a new Jacobian if the latest one is poor.
+
+        It is poor if the half width has changed, or if the iteration has ``stalled``: its step did
+        not shrink with that Jacobian.  Otherwise only the columns of ln a are computed again.
+
+        Parameters
+        ----------
+        state : Iterate
+        active : (k,) int array
+        stalled : bool
+        """
         ln_a = state.u[self.system.ln_a]
         self.jacobian_is_current = (
             self.jacobian is None
@@ -257,9 +269,10 @@ def friction_residual(state: Iterate, active: Array) -> Array:
 
 
 def _limited_update(system: System, u: Array, step: Array, is_settled: bool) -> Array:
-    """Return u + step, with half widths at most the largest ones permitted.
+    """Return u + step, (m+k,), with half widths at most the largest ones permitted.
 
-    A larger half width may be required in passing, before the active set is settled.
+    A larger half width may be required in passing: only with ``is_settled``, when the active set
+    does not change, it is an error.
     """
     ln_a, largest = system.ln_a, system.largest_ln_a
     if is_settled and ((u[ln_a] == largest) & (step[ln_a] > 0)).any():
@@ -270,7 +283,11 @@ def _limited_update(system: System, u: Array, step: Array, is_settled: bool) -> 
 
 
 def _violates_inequality(state: Iterate, active: Array) -> Array:
-    """Return a mask of the nodes that violate the inequality of the friction law."""
+    """Return a mask of the nodes that violate the inequality of the friction law, (k,).
+
+    A sticking node must have abs(q) <= b, a node that slips in the direction s = +-1 must have
+    s v >= 0; both within a tolerance.
+    """
     traction_tolerance = VIOLATION * np.abs(state.bound).max(initial=0.0)
     slip_tolerance = VIOLATION * np.abs(state.slip).max(initial=0.0)
     exceeds = np.abs(state.traction) > state.bound + traction_tolerance
@@ -278,7 +295,10 @@ def _violates_inequality(state: Iterate, active: Array) -> Array:
 
 
 def _next_active_set(system: System, state: Iterate, active: Array, violated: Array) -> Array:
-    """Return the next active set.
+    """Return the next active set, (k,): 0 stick, +1 and -1 slip.
+
+    A sticking node whose inequality is ``violated`` slips in the direction of its traction, and a
+    slipping one sticks.
 
     One node whose slip contains a creepage keeps sticking: otherwise no equation determines the
     creepage, and the Jacobian is singular.
@@ -320,13 +340,16 @@ class _LinearSystem:
             raise NewtonFailed("singular Jacobian")
 
     def serves(self, state: Any, active: Array) -> bool:
-        """Return True if the Jacobian is near, and few rows change with the active set."""
+        """Return True if the factorisation can serve for another state and active set, (k,).
+
+        The half widths must be near those of its Jacobian, and few rows may differ.
+        """
         distance = np.abs(state.u[self.system.ln_a] - self.ln_a).max()
         few = MOST_CHANGED * self.row_size.size
         return bool(distance <= REASSEMBLE and np.sum(active != self.factored) <= few)
 
     def set_active(self, active: Array) -> None:
-        """Change the active set by a low-rank update of the factorisation.
+        """Change the active set, (k,), by a low-rank update of the factorisation.
 
         D are the changes of the rows of the friction law at the nodes where the set differs from
         the factorised one.
@@ -349,12 +372,12 @@ class _LinearSystem:
             raise NewtonFailed("singular Jacobian") from singular
 
     def solve(self, right: Array) -> Array:
-        """Solve J x = right; x in the units of the unknowns."""
+        """Solve J x = right for a (m+k,) array; x in the units of the unknowns."""
         x, _ = _getrs(self.lu, self.pivots, right / self.row_size, trans=1)
         return np.asarray(x - self.correction @ (self.changes @ x))
 
     def newton_step(self, residual: Array) -> tuple[Array, float]:
-        """Return -J^-1 r and its size, with the change of each ln a limited.
+        """Return -J^-1 r, (m+k,), and its size, with the change of each ln a limited.
 
         A larger change is limited by a multiple of the solution ``by_load`` for a unit residual of
         the contact's load: the equation of the load is relaxed, and all others are satisfied.

@@ -289,6 +289,7 @@ def _solve(
         same_mesh, last_mesh = _nearest(start, size), _nearest(start, refinement.last.size)
         neighbour, zones = _prolong(same_mesh, system)
         u = u + neighbour - _prolong(last_mesh, system)[0]
+        # zones of the neighbour on a coarser mesh are no better than those of the mesh before
         active = zones if same_mesh.size >= size else active
     # next to the solution on the mesh before, a factorisation of its own converges faster
     neighbouring_solver = None if refinement.meshes else _solver_on_mesh(start, system, size)
@@ -339,6 +340,8 @@ def neighbouring_solution(mesh: MeshSolution, problem: Any) -> MeshSolution:
 def sizes_up_to(nodes: int, first: tuple[int, ...] = FIRST_SIZES) -> list[int]:
     """Return a sequence of meshes that ends with a given one, at least three from 13 nodes on.
 
+    ``first`` are the sizes with which it begins.
+
     Examples
     --------
     >>> sizes_up_to(129)
@@ -350,6 +353,7 @@ def sizes_up_to(nodes: int, first: tuple[int, ...] = FIRST_SIZES) -> list[int]:
     """
     sizes = [n for n in first if n * MIN_GROWTH <= nodes]
     if len(sizes) < CHANGES:
+        # other first sizes are for a second attempt, which needs other meshes
         growth = MIN_GROWTH if first is FIRST_SIZES else MIN_GROWTH**1.2
         coarse = [round(nodes / growth**k) for k in range(CHANGES, 0, -1)]
         return [*coarse, nodes] if nodes >= FIRST_SIZES[0] else [nodes]

@@ -60,8 +60,10 @@ class _Solution(NamedTuple):
     Attributes
     ----------
     by_values : (n, 4, 4) or (n, 4) array
+        At n distances, or of n lanes: all values z, or the deflection w alone, by z at the left
+        edge.
     by_load : (n, 4) or (n,) array
-        By the load in units of EI/W^4.
+        The same by the load in units of EI/W^4.
     """
 
     by_values: Array
@@ -69,9 +71,10 @@ class _Solution(NamedTuple):
 
 
 def _at(x: Array, shear: float) -> _Solution:
-    """Return the values z at distances x (n,) from the left edge of a lane, relative to W.
+    """Return z = (w, W psi, W^2 M/EI, W^3 Q/EI) at distances x (n,) from the left edge of a lane.
 
-    ``shear`` is EI/(S W^2).
+    They are the solutions in the docstring of the module.  x and w are relative to the width W of
+    the web, ``shear`` is EI/(S W^2).
     """
     zero, one = np.zeros_like(x), np.ones_like(x)
     rows = [
@@ -85,7 +88,10 @@ def _at(x: Array, shear: float) -> _Solution:
 
 
 def _mean(x: Array, shear: float) -> _Solution:
-    """Return the mean deflection over lanes of the widths x (n,), relative to W."""
+    """Return the mean deflection w over lanes of the widths x (n,), both relative to W.
+
+    ``shear`` is EI/(S W^2).
+    """
     by_values = np.array([np.ones_like(x), x / 2, x**2 / 6, x**3 / 24 - shear * x / 2])
     return _Solution(by_values.T, x**4 / 120 - shear * x**2 / 6)
 
@@ -127,6 +133,7 @@ class BeamsAcross:
             self.mean.append(_mean(x, shear))
             at_places = _at(offset, shear)
             self.of_places.append(_Solution(at_places.by_values[:, 0], at_places.by_load[:, 0]))
+            # w and M, the values 0 and 2, are zero at the bearings beyond the edges of the web
             beyond = beam.bearing_distance / width
             left_end, right_end = _at(np.array([-beyond, beyond]), shear).by_values[:, [0, 2]]
             self.bearings.append((left_end, right_end))
@@ -175,7 +182,8 @@ class BeamsAcross:
             by_values[:, b, part], by_load[:, b] = self.mean[b]
             forward[:, part, part] = self.to_next[b].by_values
             push[:, part, b] = self.to_next[b].by_load * self.unit[b]
-        # P = fixed - yielding z, with w = by_values z + by_load unit P
+        # from P = load - stiffness w with the mean w = by_values z + by_load unit P of each lane
+        # follows own P = load - stiffness by_values z, that is P = fixed - yielding z
         own = np.eye(count) + stiffness * (by_load * self.unit)[:, None, :]
         right = np.concatenate([load, stiffness @ by_values], axis=2)
         fixed, yielding = np.split(np.linalg.solve(own, right), [loads], axis=2)
@@ -209,6 +217,8 @@ class BeamsAcross:
             """Write entries of the matrix, as ``solve_banded`` stores them."""
             matrix[above + row - column, column] = entries
 
+        # the rows are: conditions at the left bearings, z_(j+1) - forward_j z_j of the lanes j,
+        # conditions at the right bearings
         first, at_values = np.arange(lanes)[:, None, None], np.arange(values)
         rows = conditions + values * first + at_values[:, None]
         put(rows, values * first + at_values, -forward)

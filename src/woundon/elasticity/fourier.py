@@ -184,7 +184,7 @@ class HarmonicSum:
         return Kernel(delta=delta, log=log_, smooth=self, second_integral=self.second_integral)
 
     def second_integral(self, t: Array) -> Array:
-        """Return a second integral K, K'' = f, of the sum with its singularities at any t [m].
+        """Return a second integral K, K'' = f, of the sum with its singularities at t [m], like t.
 
         The sum without its mean is integrated as a function of period 2 pi R.
         """
@@ -223,7 +223,11 @@ class HarmonicSum:
         return HarmonicSums((self,))
 
     def log_coefficients(self) -> Array:
-        """Return the coefficients of theta^(j-1) ln(theta); j = 2, 4, ... if odd, else 3, 5, ..."""
+        """Return the coefficients of theta^(j-1) ln(theta), one for each j of the tail.
+
+        j = 2, 4, ... of an odd sum and 3, 5, ... of an even one; that of ln(theta) itself, j = 1,
+        is singular.
+        """
         orders = range(2 if self.odd else 3, self.tail.size, 2)
         weights = np.array([polylogarithm(j).log for j in orders])
         weights = weights.imag if self.odd else weights.real

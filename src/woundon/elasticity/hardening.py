@@ -215,12 +215,12 @@ class HardeningLaw:
         return f_slope, G * np.maximum(1 + rate * (P - in_range), 0.05), G * rate
 
     def _strain(self, P: Array) -> Array:
-        """Return F(P), continued linearly above the limit."""
+        """Return F(P) of pressures of any shape, continued linearly above the limit."""
         in_range = np.minimum(P, self.limit)
         return self.radial.strain_at(in_range) + (P - in_range) / self.radial.modulus(in_range)
 
     def _pressure_at_strain(self, strain: Array) -> Array:
-        """Return the pressure P at which F(P) is ``strain``, continued linearly above the limit."""
+        """Return the P at which F(P) is ``strain``, of its shape; linear above the limit."""
         if np.isinf(self.limit):
             return self.radial.pressure_at(strain)
         limit = np.asarray(self.limit)

@@ -79,13 +79,16 @@ class HardeningSurface:
         self._latest: RingSolution | None = None
 
     def deform(self, p: Array, q: Array) -> Deformation:
-        """Return the deformation under nodal pressures and tractions."""
+        """Return the deformation under nodal pressures and tractions, (n,) each [Pa].
+
+        That of the linear ring is added to the difference of the hardening ring.
+        """
         slope, strain = self.linear.deform(p, q)
         slope_difference, strain_difference = self._gradients(self._solve(p, q).difference)
         return Deformation(slope + slope_difference, strain + strain_difference)
 
     def tangent(self, p: Array, q: Array) -> SurfaceTangent:
-        """Return the derivatives of ``deform``."""
+        """Return the derivatives of ``deform`` by nodal pressures and tractions p, q, (n,) each."""
         by_p, by_q = self._tangent(p, q)
         slope_p, slope_q, strain_p, strain_q = self.linear.tangent(p, q)
         d_slope_p, d_strain_p = self._gradients(by_p)
@@ -105,7 +108,7 @@ class HardeningSurface:
         return self.linear.end_tangential_displacement(p, q) + float(self._end_values @ u)
 
     def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
-        """Return the derivatives of ``end_displacement`` by p and q."""
+        """Return the derivatives of ``end_displacement`` by p and by q, (n,) each [m/Pa]."""
         by_p, by_q = self._tangent(p, q)
         end_p, end_q = self.linear.end_tangent(p, q)
         return end_p + self._end_values @ by_p[0], end_q + self._end_values @ by_q[0]
@@ -131,8 +134,12 @@ class HardeningSurface:
         return self._solve(p, q).state.residual
 
     def range_message(self, p: Array, q: Array) -> str:
-        """Return a message if a pressure in the roll is outside the range of the law, else ''."""
+        """Return a message if a pressure in the roll is outside the range of the law, else ''.
+
+        p and q are the nodal pressures and tractions, (n,) [Pa].
+        """
         state, law = self._solve(p, q).state, self.ring.law
+        # the limit may be the end of the law, or E_r so large that the energy is indefinite
         if self.limit < state.max_pressure < law.radial.max_pressure:
             E = float(law.radial.modulus(np.array(state.max_pressure)))
             return (
@@ -157,7 +164,10 @@ class HardeningSurface:
     # ---- finite elements -----------------------------------------------------------------------
 
     def _solve(self, p: Array, q: Array) -> RingSolution:
-        """Return the ring under p and q; negative pressures of an iterate are replaced by zero."""
+        """Return the ring under p and q, (n,); negative pressures of an iterate count as zero.
+
+        The solution of the last p and q is kept, because a state is evaluated several times.
+        """
         latest = self._latest
         if latest is None or not (np.array_equal(p, latest.p) and np.array_equal(q, latest.q)):
             forces = np.stack([-self._hat_forces @ np.maximum(p, 0.0), self._hat_forces @ q])

@@ -79,10 +79,11 @@ def singular_integrals(points: Array, nodes: Array) -> Array:
 
 
 def _hats_from_moments(out: Array, moment_0: Array, moment_1: Array) -> None:
-    """Write integrals against the hats, from moments of the cells.
+    """Write integrals against the hats, (k, n), from moments of the cells, (k, n - 1).
 
     ``moment_0`` is half the integral of the function over a cell, ``moment_1`` that of its product
     with (s - s_m)/h: their difference belongs to the left node, their sum to the right one.
+    ``moment_0`` is overwritten.
     """
     np.subtract(moment_0, moment_1, out=out[:, :-1])
     out[:, -1] = 0.0

@@ -70,7 +70,7 @@ class InfluenceSurface(LinearSurface):
         self.max_distance = kernels.max_distance or self.period / 2
 
     def end_tangential_displacement(self, p: Array, q: Array) -> float:
-        """Return u at the last node [m]."""
+        """Return u at the last node under nodal pressures and tractions, (n,) each [m]."""
         kernels = self.kernels
         tangent = kernels.tangent_p, kernels.tangent_q
         by_p, by_q = self._displacement(tangent, smooth_parts(tangent), -1)

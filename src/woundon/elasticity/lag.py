@@ -192,7 +192,7 @@ def _tabulated_psi(length: tuple[float, ...], max_distance: float, steps: int) -
 
 
 def _integrals_of_pole(u: Array) -> tuple[Array, Array, Array]:
-    """Return K, K' and K'' = F = e^{-u} Ei(u); for |u| < 1 by their power series.
+    """Return K, K' and K'' = F = e^{-u} Ei(u), like u; for |u| < 1 by their power series.
 
     With L = gamma + ln|u| and S = e^{-u} sum_{k>=1} u^k/(k k!) = -sum_{k>=1} H_k (-u)^k/k!,
 
@@ -218,7 +218,7 @@ def _integrals_of_pole(u: Array) -> tuple[Array, Array, Array]:
 
 
 def _scaled_exponential_integral(u: Array) -> Array:
-    """Return F = e^{-u} Ei(u) for |u| >= 1; for |u| > 50 by its asymptotic series."""
+    """Return F = e^{-u} Ei(u), like u, for |u| >= 1; for |u| > 50 by its asymptotic series."""
     from scipy.special import exp1, expi  # problems are read and written without SciPy
 
     is_asymptotic = np.abs(u) > 50

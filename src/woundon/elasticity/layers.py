@@ -157,7 +157,8 @@ def _transfers_through(layers: SectionMatrices, n: Array, open_bore: bool) -> Ar
 
         t0 = T t1,   T = (I + H Y)^-1 A',        w1 = (Q + A Y T) t1,
 
-    so that Y follows from the core outwards, and B = T ... T from the surface inwards.
+    so that Y follows from the core outwards, and B = T ... T from the surface inwards.  ``n`` are
+    the harmonics; ``open_bore`` is True for an open bore, False for a rigid core.
     """
     *above, innermost = zip(*(np.moveaxis(X, 2, 0) for X in layers), strict=True)
     Y, across = _compliance_on_core(innermost, n, open_bore), []
@@ -254,6 +255,7 @@ class LayerSystems:
     def roots(self, n: Array) -> tuple[Array, Array]:
         """Return lambda_1 + lambda_3 and lambda_1 lambda_3, the positive roots of thesis eq. (43).
 
+        They are (L, k) for L layers and k harmonics n.
         For n = 0 their difference and minus their product; :meth:`thin_layer_matrices` uses even
         functions of them only, which are the same.
         """
@@ -266,7 +268,10 @@ class LayerSystems:
         return np.sqrt(square.real), product.real
 
     def penetration_depth(self, n: Array) -> Array:
-        """Return the depth at which the n-th harmonic has decayed to exp(-20), or the layer's."""
+        """Return the depth in ln r at which harmonic n has decayed to exp(-20), or the layer's.
+
+        (L, k) for L layers and k harmonics.
+        """
         total, product = self.roots(n)
         # at most the smaller root: total/2 if complex, product/total < product/larger if real
         rate = np.minimum(total / 2, product / np.maximum(total, 1e-300))
@@ -340,6 +345,7 @@ class LayerSystems:
         """
         M = self.system_matrix(n, h)
         total, product = self.roots(n)
+        # of the characteristic equation M^4 - b M^2 + c I = 0
         c = (product * h * h) ** 2
         b = (total * h) ** 2 - 2 * product * h * h
         # e^M = I + f0 I + (1 + f1) M + f2 M^2 + f3 M^3, with the even powers

@@ -215,9 +215,10 @@ class Face:
         return np.asarray(end + np.concatenate([v_upstream, edge, v_downstream]))
 
     def curvature_change(self, slope: Array, a: float, ends: bool = True) -> Array:
-        """Return -v'' at the nodes from slopes at the points (n+1, ...), (n, ...).
+        """Return -v'' at the nodes (n, ...) from slopes v' at the points (n+1, ...).
 
-        ``ends`` tells whether the pressure that deforms the surface ends with the face.
+        ``a`` is the half width [m]; ``ends`` tells whether the pressure that deforms the surface
+        ends with the face, as that on another face does not.
 
         The difference quotient of the slopes at neighbouring points satisfies the normal
         equilibrium of every piece of web exactly.  The curvature at the trailing edge is that of
@@ -294,7 +295,10 @@ def nip_mesh(size: int, drum_wrap: Wrap, roll_wrap: Wrap, like: Mesh | None = No
 
 @lru_cache(maxsize=64)
 def cosine_nodes(size: int) -> Array:
-    """Return nodes (even entries) and points (odd entries) of a nip, x = -cos(theta)."""
+    """Return nodes (even entries) and points (odd entries) of a nip, x = -cos(theta).
+
+    (2 size - 1,) from -1 to 1.
+    """
     x = np.sin(np.linspace(-pi / 2, pi / 2, 2 * size - 1))
     out = (x - x[::-1]) / 2  # exactly antisymmetric
     out.setflags(write=False)
@@ -314,20 +318,14 @@ def _wrap_points(wrap: Wrap, step: float, cells: int) -> Array:
     if not wrap.graded_end:
         grading = _Grading(wrap.length, step, largest)
         return grading.points(cells or grading.cells)
-    graded_near_nip = _Grading(wrap.length / 2, step, largest)
-    graded_far_end = _Grading(wrap.length / 2, FAR_END_RATIO * step, largest)
-    n_far = (
-        graded_far_end.cells
-        if not cells
-        else max(
-            1, round(cells * graded_far_end.cells / (graded_near_nip.cells + graded_far_end.cells))
-        )
-    )
-    n_near = graded_near_nip.cells if not cells else cells - n_far
+    near_nip = _Grading(wrap.length / 2, step, largest)
+    far_end = _Grading(wrap.length / 2, FAR_END_RATIO * step, largest)
+    n_near, n_far = near_nip.cells, far_end.cells
+    if cells:  # shared between both halves in the same ratio
+        n_far = max(1, round(cells * n_far / (n_near + n_far)))
+        n_near = cells - n_far
     # [-2::-1]: in reverse, without the node in the middle of the wrap, which both halves contain
-    return np.concatenate(
-        [graded_near_nip.points(n_near), wrap.length - graded_far_end.points(n_far)[-2::-1]]
-    )
+    return np.concatenate([near_nip.points(n_near), wrap.length - far_end.points(n_far)[-2::-1]])
 
 
 class _Grading:
@@ -357,7 +355,7 @@ class _Grading:
         self.cells = max(2, ceil(self.end / step))
 
     def points(self, cells: int) -> Array:
-        """Return nodes (even entries) and points (odd entries) of a number of cells."""
+        """Return nodes (even entries) and points (odd entries), (2 cells + 1,)."""
         t = np.linspace(0.0, self.end, 2 * cells + 1)
         graded = GRADED_LENGTH * np.sinh(np.minimum(t, self.t_linear)) ** 2
         linear = self.d_linear + self.slope * (t - self.t_linear)

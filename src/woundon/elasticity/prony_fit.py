@@ -99,7 +99,17 @@ def fit_relaxation_modulus(t: Array, modulus: Array) -> PronyFit:
 
 
 def _fit(columns: Array, measured: Array, time: Array) -> PronyFit:
-    """Return the non-negative least squares fit of the relative residuals."""
+    """Return the series with the least squares of the relative residuals, all moduli >= 0.
+
+    Parameters
+    ----------
+    columns : (m, 1 + K) array
+        Measured value by the long-term modulus, and by the modulus of each term.
+    measured : (m,) array
+        [Pa], > 0.
+    time : (K,) array
+        tau_k [s].
+    """
     from scipy.optimize import nnls  # problems are read and written without SciPy
 
     scale = float(measured.max())  # the unknown moduli are of the order of 1

@@ -60,7 +60,7 @@ class Creep(NamedTuple):
 
 
 def modulus_ratio(relaxation: Relaxation, k: Array) -> Array:
-    """Return E(ik)/E_inf at the wave numbers k [1/m], complex."""
+    """Return E(ik)/E_inf = 1 + sum_m g_m i k c_m/(1 + i k c_m), complex, at k [1/m]."""
     out = np.ones(np.shape(k), dtype=complex)
     for g, c in relaxation:
         z = 1j * np.asarray(k) * c

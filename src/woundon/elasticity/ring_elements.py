@@ -408,7 +408,7 @@ class RingMesh:
         return Factors(self.topology, self.topology.matrix(elements))
 
     def interpolate(self, u: Array, other: RingMesh) -> Array:
-        """Interpolate displacements u of another mesh on this one, linearly in x and in r."""
+        """Return displacements u, (size,), of another mesh on this one, linear in x and in r."""
         field = other.topology.nodal_field(u)
         x = np.append(other.nodes, other.x[-1])
         closed = np.concatenate([field, field[:, :1]], axis=1)  # the first column again at 2 pi R

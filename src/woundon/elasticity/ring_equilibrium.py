@@ -64,7 +64,7 @@ UNIFORM_NODES, UNIFORM_TOLERANCE = 41, 1e-5
 
 
 class NoEquilibrium(ArithmeticError):
-    """Newton's method found no equilibrium of the ring."""
+    """No equilibrium of the ring was found."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,7 +255,14 @@ class RingPair:
         return np.asarray(self.linear_displacements(mesh, forces)[mesh.topology.surface])
 
     def linear_displacements(self, mesh: RingMesh, forces: Array) -> Array:
-        """Return all displacements of the linear ring under nodal forces (2, k) [m]."""
+        """Return all displacements of the linear ring under nodal forces (2, k) [m].
+
+        Raises
+        ------
+        NoEquilibrium
+            If the conjugate gradients do not converge and the displacements are not in equilibrium
+            up to rounding errors.
+        """
         size, surface = mesh.topology.size, mesh.topology.surface
         f = np.zeros(size)
         f[surface] = forces
@@ -265,14 +272,22 @@ class RingPair:
         # rounding errors of which they correct
         K = LinearOperator((size, size), lambda v: mesh.forces(mesh.strain(v.ravel()) @ moduli))
         for distance in (np.inf, 0.0):
-            factors = self._linear_factors(mesh, distance)[1]
+            reference, factors = self._linear_factors(mesh, distance)
             M = LinearOperator((size, size), factors.solve)
             u, info = cg(
                 K, f, factors.solve(f), rtol=0.0, atol=atol, maxiter=CONJUGATE_GRADIENTS, M=M
             )
             if info == 0:
+                return np.asarray(u)
+            if reference is mesh:  # they are the factors for this half width
                 break
-        return u
+        # rounding errors of K may exceed the tolerance of the forces, but not that of the
+        # displacements, which is also that of the hardening ring
+        unbalanced = f - K.matvec(u)
+        residual = _energy_norm(unbalanced, factors.solve(unbalanced), f, u)
+        if not residual <= TOLERANCE:
+            raise NoEquilibrium(f"the linear ring has no equilibrium: residual {residual:.2g}")
+        return np.asarray(u)
 
     def _linear_factors(self, mesh: RingMesh, distance: float) -> tuple[RingMesh, Factors]:
         """Return a factorisation of the linear ring and its mesh.

@@ -391,7 +391,9 @@ class ViscoelasticSums:
     def kernels(self, split_sums: list[SplitSum]) -> tuple[list[Kernel], EvenPlusOdd, Lag | None]:
         """Return influence functions, one function for all their smooth parts, and their lags.
 
-        The kernels are in the order of the sums; the lag is None if no term of J_n has one.
+        The kernels are in the order of the sums; the lag is None if no term of J_n has one.  Of the
+        singular terms of a kernel, Dirac(t) and ln|t| come from its even sum, and 1/t and sgn(t)
+        from its odd one.
         """
         lag, kernels = None, []
         sums = HarmonicSums(tuple(p.even for p in split_sums) + tuple(p.odd for p in split_sums))
@@ -408,7 +410,7 @@ class ViscoelasticSums:
                 split_sum.even.kernel(),
                 inverse=odd.inverse,
                 sign=odd.sign,
-                smooth=smooth.select(k).first,
+                smooth=smooth.select(k).first,  # as one array, without the axis of the kernels
                 second_integral=partial(_second_integral, split_sum),
                 lag=None if lag is None else lag.select(k),
             )
@@ -435,7 +437,7 @@ class EvenPlusOdd:
     sums: HarmonicSums
 
     def select(self, kernel: int) -> EvenPlusOdd:
-        """Return the smooth part of one of the influence functions, from the same table."""
+        """Return the smooth part of influence function ``kernel``, from the same table."""
         # its even sum, and its odd sum half the list further on
         return EvenPlusOdd(self.sums.select(slice(kernel, None, len(self.sums.sums) // 2)))
 
@@ -451,7 +453,10 @@ class EvenPlusOdd:
 
 
 def _second_integral(split_sum: SplitSum, t: Array) -> Array:
-    """Return the second integral of an influence function without its lag, at t [m]."""
+    """Return the second integral of an influence function without its lag, at any t [m].
+
+    ``HarmonicSum.second_integral`` leaves out the power series of theta, which is integrated here.
+    """
     even, odd, _ = split_sum
     assert even.regular is not None
     assert odd.regular is not None

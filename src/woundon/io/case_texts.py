@@ -281,7 +281,8 @@ class _Writer:
             for name in fields
             if name not in inner and self.is_shown(thing, name)
         ]
-        yield Section(header, rows, (holder and holder.description) or "")  # "" for a problem
+        # of a schedule: symbol, meaning and ranges of its values
+        yield Section(header, rows, "" if holder is None else field_comment(holder))
         for name in inner:
             value, path = getattr(thing, name), f"{prefix}{name}"
             # TOML writes each item of a list as [[name]]

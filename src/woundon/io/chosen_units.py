@@ -181,6 +181,7 @@ class ResultInUnits:
         self.units = {name: "" if unit == "1" else unit for name, unit in self.units.items()}
 
     def __getattr__(self, name: str) -> Any:
+        # Python looks up names with an underscore to copy, also before there are quantities
         if name.startswith("_") or name not in self._quantities:
             known = ", ".join(self.__dict__.get("_quantities", ()))
             raise AttributeError(f"no output {name!r}; known: {known}")

@@ -169,7 +169,10 @@ def read_compression_test(
 def _pressure(
     values: Mapping[str, Array], area: float | str | None, offset: float | str, table: Sheet
 ) -> Array:
-    """Return the pressure [Pa] of each row, without the offset of the load."""
+    """Return the pressure of each row, without the offset of the load, (n,) [Pa].
+
+    ``values`` are the columns of the file; other parameters as of :func:`woundon.fit_stack`.
+    """
     if "pressure" in values:
         if area is not None:
             text = "is given, but the file has a column of the pressure; must be omitted"
@@ -183,7 +186,7 @@ def _pressure(
 
 
 def _strain(values: Mapping[str, Array], height: float | str | None, table: Sheet) -> Array:
-    """Return the strain [1] of each row."""
+    """Return the strain of each row, (n,) [1]; parameters as of :func:`_pressure`."""
     if "strain" in values:
         if height is not None:
             text = "is given, but the file has a column of the strain; must be omitted"
@@ -231,7 +234,7 @@ def _check_strains(eps: Array, rows: Array, values: Mapping[str, Array], where: 
     fault, limit = f"strain {quote(eps[worst])}", "< 1"
     if eps[worst] < 1 and np.ptp(eps) < 1:
         return
-    if eps[worst] < 1:  # they begin far below 0
+    if eps[worst] < 1:  # they begin far below 0, and their origin is arbitrary
         fault, limit = (
             f"strains from {quote(eps.min())} to {quote(eps.max())}",
             "within a range < 1",
@@ -298,7 +301,17 @@ def _reversals(values: Array, limit: float) -> list[tuple[int, bool]]:
 def _chosen(
     parts: Sequence[Branch], P: Array, branch: str | int, rows: Sequence[int], where: str
 ) -> Branch:
-    """Return the requested branch.
+    """Return the requested branch: by its number from 1, or the first one that rises to the peak.
+
+    Parameters
+    ----------
+    parts : sequence of Branch
+    P : (n,) array
+        Pressure of the rows [Pa].
+    branch : "loading", "unloading" or int
+    rows : sequence of n int
+        Their numbers in the file.
+    where : str
 
     Raises
     ------

@@ -193,6 +193,7 @@ def joined(channels: Sequence[Channel], where: str, is_known: Callable[[str], bo
     used = [channel for channel in channels if is_known(f"{channel.name} [{channel.unit}]")]
     is_time_used = is_known("time [s]") or not used
     used = used or list(channels)
+    # the slowest channel, preferably one whose start is known, and the shortest one of these
     base = max(used, key=lambda each: (each.period, not np.isnan(each.start), -each.values.size))
     remarks: list[str] = []
     columns: dict[str, Array] = {}
@@ -228,7 +229,8 @@ def joined(channels: Sequence[Channel], where: str, is_known: Callable[[str], bo
 def _at_times_of(base: Channel, channel: Channel, where: str) -> tuple[Array, Array]:
     """Return the samples of a channel nearest to the instants of another one, and where they exist.
 
-    A sample exists if it is at most half a period of its channel away.
+    A sample exists if it is at most half a period of its channel away.  Both arrays have the size
+    of ``base``, the other channel.
     """
     for each in (base, channel):
         if np.isnan(each.period):
@@ -342,7 +344,7 @@ def _tdms_channel(channel: Any, start: float) -> Channel:
 
 
 def _starts(channels: Sequence[Any]) -> Array:
-    """Return when the channels of a group of a .tdms file start [s], zero where the first does.
+    """Return when the channels of a group of a .tdms file start, (channels,) [s], the first at 0.
 
     They are nan for a channel of which the file does not state it.  If it states none, the channels
     start together, apart from their offsets.

@@ -297,7 +297,8 @@ def _spikes(r: Array) -> Array:
     """Return whether a radius lies beyond the rows before it and those after it, (n,) bool array.
 
     The radius of a row lies between the median of the rows before and that of the rows after it,
-    except for noise.
+    except for noise.  The first and the last row, which have neighbours on one side only, are
+    examined in a long log, in which no layer adds as much to the radius as a spike.
 
     Parameters
     ----------
@@ -312,18 +313,20 @@ def _spikes(r: Array) -> Array:
     [30]
     """
     n = r.size
-    if n < 4:
+    if n < 4:  # too few for medians; the caller rejects such a log
         return np.zeros(n, dtype=bool)
+    # medians[k] is that of the NEIGHBOURS rows before row k, medians[k + NEIGHBOURS + 1] that of
+    # the rows after it
     padded = np.pad(r, NEIGHBOURS, mode="edge")
     medians = np.median(np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS), axis=1)
-    before, after = medians[:n], medians[NEIGHBOURS + 1 :]  # without the row itself
+    before, after = medians[:n], medians[NEIGHBOURS + 1 :]
     beyond = np.maximum(r - np.maximum(before, after), np.minimum(before, after) - r)
     noise = np.median(np.abs(r - (before + after) / 2))
-    # without the ends, which may be wrong
+    # range of the radius, of a long log without the ends, which may be wrong
     span = np.ptp(medians[NEIGHBOURS : n + 1] if n >= END_ROWS else medians)
     spikes = beyond > max(SPIKE * span, NOISE * noise)
     spikes &= np.abs(after - before) <= NEXT_ROLL * span  # the first rows of another roll are none
-    if n >= END_ROWS:  # the first and the last row have neighbours on one side only
+    if n >= END_ROWS:
         for end, other in ((0, after[0]), (-1, before[-1])):
             spikes[end] = abs(r[end] - other) > NEXT_ROLL * span
     return spikes

@@ -278,7 +278,10 @@ def number(value: Any, name: str, admits_nan: bool) -> float:
 
 
 def _array(values: Any, name: str, admits_nan: bool) -> Array:
-    """Return a list, or a list of lists, of numbers as an array, null as nan; reject others."""
+    """Return a list, or a list of lists, of numbers as an array; reject others.
+
+    Null is nan if ``admits_nan``, else it is rejected.
+    """
     parts = np.asarray(values)
     numeric = parts.dtype.kind in "iuf" or all(
         part is None or type(part) in (int, float) for part in parts.ravel().tolist()

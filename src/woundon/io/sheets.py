@@ -267,7 +267,7 @@ def _table_in(rows: Rows, path: str, is_known: IsKnown) -> Sheet:
             text = f"has numbers in row {1 + filled[0]}, but no header above them; write one"
         raise InvalidProblem.at(where, f"{text}{f'; {others}' if others else ''}")
     header, *body = filled[place:]
-    names = _headers(rows.cells[header], 1 + header, where)
+    names = _headers(rows.cells[header], 1 + header, where)  # rows are numbered from 1
     units: dict[str, str] = {}
     below_header = rows.cells[body[0]][: len(names)]
     if len(body) > 1 and _are_units(below_header):
@@ -293,7 +293,16 @@ def _table_in(rows: Rows, path: str, is_known: IsKnown) -> Sheet:
     if skipped:
         text = f"rows {skipped[0]} to {skipped[-1]} above the header in row {1 + header} are"
         remarks = (f"{text} not read",)
-    return Sheet(where, columns, numbers, units, False, rows.separator, 1 + header, others, remarks)
+    return Sheet(
+        where,
+        columns,
+        numbers,
+        units,
+        separator=rows.separator,
+        header=1 + header,
+        others=others,
+        remarks=remarks,
+    )
 
 
 def _reject_length(rows: Rows, row: int, header: int, expected: int, where: str) -> None:
@@ -343,6 +352,28 @@ def _position_of_header(
     return place
 
 
+class _Candidate(NamedTuple):
+    """A row that may be the header; the largest candidate is, by its first items that differ.
+
+    Attributes
+    ----------
+    has_known_name : bool
+    length : int
+        Number of rows below it up to the next row without numbers.
+    known : int
+        Number of its cells that are known names.
+    is_no_row_of_units : bool
+    place : int
+        Position of the row.
+    """
+
+    has_known_name: bool
+    length: int
+    known: int
+    is_no_row_of_units: bool
+    place: int
+
+
 def _header_among(cells: Sequence[Sequence[Any]], is_known: IsKnown) -> tuple[int | None, bool]:
     """Return the position of the row with the headers, and whether it has a known name.
 
@@ -351,12 +382,13 @@ def _header_among(cells: Sequence[Sequence[Any]], is_known: IsKnown) -> tuple[in
     cells : sequence of rows
         Rows that are not blank.
     is_known : callable
+        Whether a text is a known name.
     """
     has_number = np.fromiter((any(map(_is_number, row)) for row in cells), bool, len(cells))
     if not has_number.any():
         return _header_without_numbers(cells, is_known)
     without = np.flatnonzero(~has_number)  # positions of the rows without numbers
-    best: tuple[int, int, int, bool, int] | None = None  # the last number is the position
+    best: _Candidate | None = None
     examined = 0
     for place in without.tolist():
         below = has_number[place + 1 : place + 1 + MAX_BELOW]
@@ -373,9 +405,9 @@ def _header_among(cells: Sequence[Sequence[Any]], is_known: IsKnown) -> tuple[in
         length = int((without[end] if end < without.size else len(cells)) - first)
         units = _are_units(cells[place])
         known = 0 if units else sum(map(is_known, texts))
-        rank = (min(known, 1), length, known, not units, place)
-        best = rank if best is None else max(best, rank)
-    return (None, False) if best is None else (best[-1], best[0] > 0)
+        candidate = _Candidate(known > 0, length, known, not units, place)
+        best = candidate if best is None else max(best, candidate)
+    return (None, False) if best is None else (best.place, best.has_known_name)
 
 
 def _header_without_numbers(

@@ -72,7 +72,7 @@ class Names:
         self._by_symbol: dict[str, list[str]] = {}
         for name, quantity in known.items():
             self._by_key.setdefault(_normalise(name), []).append(name)
-            if quantity is not None and not name.startswith("errors."):  # they share the symbol
+            if quantity is not None and not name.startswith("errors."):  # shares its value's symbol
                 self._by_symbol.setdefault(quantity.symbol, []).append(name)
 
     def find(self, text: str) -> list[str]:
@@ -80,7 +80,8 @@ class Names:
 
         Symbols are recognised too, if they are spelled exactly, and words of several languages.
         """
-        # they replace the stars of a name; without any, it is the first item
+        # numbers in the text say which items of a list are meant: they replace the stars of a name
+        # in order; a star without a number denotes the first item
         numbers = iter(part for part in _BETWEEN.split(text) if part.isdigit())
         names = (
             self._by_key.get(_normalise(text))

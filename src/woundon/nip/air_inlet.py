@@ -152,7 +152,7 @@ class _InletEquations:
         self.weights = (padded[1:] + padded[:-1]) / 2
 
     def unknowns_of(self, solution: Inlet) -> Array:
-        """Return the unknowns x of a solution on the same mesh."""
+        """Return the unknowns x, (n + 1,), of a solution on the same mesh."""
         d = solution.pressure - self.dry_pressure
         h_c = float(np.mean(solution.gap - self.dry_gap - self.deformation @ d))
         return np.concatenate([d[1:-1], [h_c, solution.film]])
@@ -163,7 +163,10 @@ class _InletEquations:
         return self.dry_pressure + d, self.dry_gap + x[-2] + self.deformation @ d
 
     def step_to_closure(self, x: Array, step: Array) -> float:
-        """Return the multiple of a Newton step at which the gap closes somewhere; inf if never."""
+        """Return the multiple of a Newton step at which the gap closes somewhere; inf if never.
+
+        ``x`` and ``step`` are (n + 1,).  The gap is a linear function of the unknowns.
+        """
         gap = self.pressure_and_gap(x)[1]
         decrease = gap - self.pressure_and_gap(x + step)[1]
         is_closing = decrease > 0
@@ -193,7 +196,7 @@ class _InletEquations:
 
 
 def _deformation_matrix(nodes: Array, points: Array) -> Array:
-    """Return the matrix of -(2/pi) int d(t) ln|s - t| dt at points s for nodal values of d.
+    """Return the matrix of -(2/pi) int d(t) ln|s - t| dt, (points s, nodes of d).
 
     The integral over a hat function is the second difference of the second integral of ln|u|.
     The values at both ends are zero.

@@ -85,7 +85,13 @@ def state_of(result: NipFields, system: NipSystem | SeveralNips) -> NipState | S
 
 
 def _unknowns_of(result: NipFields, equations: NipEquations) -> Array:
-    """Return the unknowns that a result reports, of one nip."""
+    """Return the unknowns u, (size,), that a result reports, of one nip.
+
+    Raises
+    ------
+    ValueError
+        If the number of nodes is not that of the mesh.
+    """
     layout, web, problem = equations.layout, result.problem.web, equations.problem
     if result.x.size != layout.end + 1:
         raise ValueError(f"{result.x.size} nodes; the mesh of this nip has {layout.end + 1}")
@@ -165,6 +171,9 @@ def _equations_and_friction(
     result: NipFields, equations: NipEquations, state: NipState, expected: Arrays, zones: Array
 ) -> dict[str, float]:
     """Return the residuals of gap slope, resultants and friction law.
+
+    ``expected`` are the arrays that follow from the unknowns, ``zones`` those of the k traction
+    nodes, (k,).
 
     Slips below the rounding error of a difference of strains count as zero.  The equations of the
     state are dimensionless: gap slope of each cell of the nip, equilibrium on the wraps, winding

@@ -180,7 +180,7 @@ class ContactEquations(Generic[Geometry, State]):
     def shifted(self, state: State) -> State:
         """Return the state of the same unknowns for a larger ln a, by DIFFERENCE."""
         a = state.geometry.a
-        if len(self.surfaces.computed) == 1:
+        if len(self.surfaces.computed) == 1:  # a second half width, to interpolate the responses
             self.geometry(a * exp(SECOND))
         return self.state_like(state, self.geometry(a * exp(DIFFERENCE), inf))
 
@@ -191,8 +191,9 @@ class ContactEquations(Generic[Geometry, State]):
             matrix[:, self.layout.ln_a] = change / DIFFERENCE
 
     def initial_guess(self) -> tuple[Array, Array]:
-        """Return unknowns u with zero fields and the initial half width, and full stick.
+        """Return unknowns u, (size,), with zero fields and the initial half width, and full stick.
 
+        Full stick is the active set of k zeros.
         For linear bodies the first Newton step gives the fields for this half width.
         """
         u = np.zeros(self.layout.size)

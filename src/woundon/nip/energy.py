@@ -145,6 +145,8 @@ def power_balance(equations: NipEquations, state: NipState) -> float:
     creepage = state.u[layout.xi] - c11 * f.tension[-1]
     supplied = (roll.lengths * roll.q) @ (c11 * tension[first:] + reference - slip_roll)
     supplied += (drum.lengths * drum.q) @ (c11 * tension[:last] + creepage - slip_drum)
+    # the strain -c12 p+ of the web: its work in the nip is that of the thickening c12 q in the gap
+    # slope; only that on the roll wrap remains
     wrap = slice(last - first, None)
     supplied -= c12 * (roll.lengths[wrap] * roll.q[wrap]) @ roll.p[wrap]
     # wraps: the hoop pressure T kappa does work along the deformed path of the web

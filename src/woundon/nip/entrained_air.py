@@ -274,7 +274,8 @@ def air_conditions(
     """Return the relative residuals of the equations of the film.
 
     ``air_inlet``: K, recomputed from the pressure.  ``air_film``: films and friction coefficients,
-    recomputed from K and the half width.  ``air_film_profile``: the film at every node.
+    recomputed from K and the half width; films that are and must be zero are satisfied.
+    ``air_film_profile``: the film at every node.
     Parameters other than the film are those of :func:`air_film`.
     """
     gradient = inlet_gradient(problem, x, pressure, half_width)

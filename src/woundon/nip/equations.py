@@ -190,7 +190,7 @@ class NipEquations(ContactEquations[Geometry, NipState]):
         return type(self)(problem, self.size, self._first_mesh, self.is_last, self.is_alone)
 
     def node_names(self, tractions: Array) -> list[str]:
-        """Return the names of traction nodes for messages."""
+        """Return the names of traction nodes, given by their numbers (n,), for messages."""
         layout, k = self.layout, self.layout.roll_nodes.size
         return [
             f"roll node {layout.roll_nodes[i]}"
@@ -260,7 +260,7 @@ class NipEquations(ContactEquations[Geometry, NipState]):
         return self.state_of(state.u, f, None if self.is_last else state.laid_strain)
 
     def fields(self, u: Array, g: Geometry, inlet_tension: float) -> Fields:
-        """Evaluate pressures, tractions, tension and the deformation of both bodies.
+        """Evaluate pressures, tractions, tension and the deformation of both bodies at u, (size,).
 
         In this order: the unknowns at the nodes, the tension from the ``inlet_tension`` [N/m], the
         drum, p+ in the nip, which depends on the curvature of the drum, and the roll.
@@ -271,6 +271,8 @@ class NipEquations(ContactEquations[Geometry, NipState]):
         p_roll[layout.wrap_p_nodes] = u[layout.wrap_p]
         q_roll[layout.roll_nodes], q_drum[layout.drum_nodes] = u[layout.roll_q], u[layout.drum_q]
         q = q_roll + q_drum
+        # int q dx/a up to each node: complete hats for the slips (Mesh.integral_to_points), and
+        # without the downstream half of the last hat for the tension
         transfer = np.cumsum(mesh.weights * q)
         T = inlet_tension + a * (transfer - q * np.append(mesh.cells, 0.0) / 2)
         hoop_tension = T - self.problem.centrifugal_tension
@@ -306,7 +308,7 @@ class NipEquations(ContactEquations[Geometry, NipState]):
         )
 
     def _gap_slope(self, u: Array, f: Fields) -> Array:
-        """Return the residual of the gap slope in the cells of the nip, dimensionless.
+        """Return the residual of the gap slope in the cells of the nip, (cells,), dimensionless.
 
         v+' + v-' + c12 (q+ + q-) - 2h F(p+)' + Delta/R* - x/R*
         """
@@ -356,7 +358,7 @@ class NipEquations(ContactEquations[Geometry, NipState]):
         return float(-self.problem.web.compliance.c12 * f.p_roll[-1] - f.roll.strain[-1])
 
     def slip_velocities(self, xi: float, f: Fields, laid_strain: float) -> tuple[Array, Array]:
-        """Return v+ in the cells of the roll face and v- in those of the drum face.
+        """Return v+ in the cells of the roll face and v- in those of the drum face, an array each.
 
         v+ is relative to the laid layer, whose strain relative to the roll's surface is given.
         """
@@ -456,7 +458,7 @@ class Assembly:
         return Jacobian(equilibrium, slip, bound)
 
     def _derivative_of_p_roll(self) -> Array:
-        """Return dp+/du at the nodes of the roll's face.
+        """Return dp+/du at the n nodes of the roll's face, (n, size).
 
         In the nip p+ = p- + T_h kappa, without a roll wrap p+ = p-; on the roll wrap p+ is an
         unknown.  Row 0 is zero: p+ = 0 at the leading edge.
@@ -519,6 +521,18 @@ class Assembly:
         out[:, layout.wrap_p] += matrix[:, n : n + layout.wrap_p.stop - layout.wrap_p.start]
         return out
 
+    def by_loads_on_roll(self, by_p: Array, by_q: Array) -> Array:
+        """Return the derivatives by u, (m, size), from those by the loads on the roll's face.
+
+        Parameters
+        ----------
+        by_p, by_q : (m, n) arrays
+            Derivatives by p+ and by q+ at the n nodes of the face.
+        """
+        out = self.chain_p_roll(by_p)
+        out[:, self.layout.roll_q] += by_q[:, 1:-1]
+        return out
+
     def _gap_slope_rows(self) -> Array:
         """Return the rows of the gap slope in the cells of the nip, (cells, size).
 
@@ -563,7 +577,10 @@ class Assembly:
         return blocks
 
     def _force_and_load_rows(self) -> Array:
-        """Return the rows of winding force int q- dx and nip load int_nip p- dx."""
+        """Return the rows of winding force int q- dx and nip load int_nip p- dx, (2, size).
+
+        Derivatives of the residuals of ``_force_and_load``.
+        """
         layout, problem = self.layout, self.problem
         rows, weights = np.zeros((2, layout.size)), self.a * self.mesh.nip_weights[layout.p_nodes]
         rows[0, layout.p] = -self.equations._force_by_load * weights
@@ -573,7 +590,7 @@ class Assembly:
         return rows / problem.nip_load
 
     def _slip_rows(self) -> Array:
-        """Return the rows of the slip velocities of the traction nodes, roll then drum.
+        """Return the rows of the slips of the k traction nodes, roll then drum, (k, size).
 
         v+ = eps - eps+ - (eps - eps+)(end) and v- = eps - eps- + xi in the cell upstream of each
         node, where the strain of the web is eps = c11 (T - T(end))/2h - c12 p+.

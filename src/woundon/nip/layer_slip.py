@@ -295,8 +295,9 @@ def _blocks(result: NipFields) -> list[Array]:
 def _slipping_extent(x: Array, excess: Array) -> tuple[float, float]:
     """Return the extent in x over which a layer slips: first and last zero of the excess [m].
 
-    The excess is positive at some node.  Zeros are interpolated linearly; if the layer slips up to
-    an end of x, beyond which no excess is known, that end is returned.
+    ``x`` are positions [m], and ``excess`` is abs(tau) - mu P there [Pa], (n,).  The excess is
+    positive at some node.  Zeros are interpolated linearly; if the layer slips up to an end of x,
+    beyond which no excess is known, that end is returned.
     """
     slipping = np.nonzero(excess > 0)[0]
     first, last = int(slipping[0]), int(slipping[-1])

@@ -64,7 +64,8 @@ def roll_wound_on_tension(equations: NipEquations, state: NipState) -> float:
 def evaluation_weights(equations: NipEquations, f: Fields) -> tuple[Array, Array]:
     """Return the weights with which T and eps_1 are interpolated at EVALUATION_ANGLE.
 
-    They are those of the values at the nodes of the mesh, and at the points of the roll's face.
+    The first are those of T at the nodes of the mesh, (nodes,), the second those of eps_1 at the
+    points of the roll's face, (points,); only two of each are not zero.
     """
     mesh, a, face = f.geometry.mesh, f.geometry.a, f.geometry.roll.face
     at_nodes, at_points = np.zeros(mesh.nodes.size), np.zeros(face.points.size)
@@ -159,8 +160,9 @@ def web_arrays(equations: NipEquations, state: NipState, active: Array) -> dict[
 
 
 def _zones_at_nodes(equations: NipEquations, active: Array) -> tuple[Array, Array]:
-    """Return the zones on the roll and on the drum at all nodes, from those of the traction nodes.
+    """Return the zones on roll and drum at all N nodes, (N,) each, from ``active``, (k,).
 
+    ``active`` are the zones of the traction nodes.
     The first node of a face, which has no cell upstream, and the node at which the web is held to
     the roll have the zone of their neighbour; nodes outside of a face have 0.
     """
@@ -262,7 +264,10 @@ def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict
 
 
 def _reverses_at_edge(arrays: Mapping[str, Array], name: str, nip: slice) -> bool:
-    """Return True if the slip, extrapolated linearly to the trailing edge, changes its sign."""
+    """Return True if the slip, extrapolated linearly to the trailing edge, changes its sign.
+
+    ``name`` is that of the slip among the arrays, ``nip`` are the nodes of the nip.
+    """
     (x1, x2), (v1, v2) = arrays["slip_x"][nip][-2:], arrays[name][nip][-2:]
     v_edge = v2 + (v2 - v1) * (arrays["x"][nip][-1] - x2) / (x2 - x1)
     return bool(v2 * v_edge < 0)
@@ -301,7 +306,10 @@ class NipSystem(NipEquations):
         }
 
     def outputs(self, state: NipState, active: Array) -> dict[str, float]:
-        """Return all outputs whose discretisation error is estimated, by name, in SI units."""
+        """Return all outputs whose discretisation error is estimated, by name, in SI units.
+
+        ``active`` are the zones of the traction nodes, (k,).
+        """
         layout, f = self.layout, state.fields
         a, mesh, T = f.geometry.a, f.geometry.mesh, f.tension
         out = {

@@ -140,7 +140,7 @@ class RollerEquations(ContactEquations[RollerGeometry, RollerState]):
         return RollerGeometry(a, *self.sides(a, (face, face), tolerance))
 
     def state(self, u: Array, geometry: RollerGeometry) -> RollerState:
-        """Evaluate fields, residuals, slip and friction bounds of the unknowns u."""
+        """Evaluate fields, residuals, slip and friction bounds of the unknowns u, (size,)."""
         layout, (a, upper_side, lower_side) = self.layout, geometry
         p, q = np.zeros((2, self.size))
         p[1:-1] = u[layout.p]
@@ -163,7 +163,7 @@ class RollerEquations(ContactEquations[RollerGeometry, RollerState]):
         return RollerState(u, rows, slip, traction, bound, geometry, p, q, upper, lower, node_slip)
 
     def _gap_slope(self, u: Array, a: float, upper: Deformation, lower: Deformation) -> Array:
-        """Return the residual v1' + v2' + Delta/R* - x/R* in the cells, (N,)."""
+        """Return the residual v1' + v2' + Delta/R* - x/R* in the cells, (N,), dimensionless."""
         slope = (upper.slope + lower.slope)[:-2] + u[self.layout.shift]
         slope -= self.mesh.points * (a / self.problem.contact_radius)
         return np.asarray(slope / self.slope_scale)
@@ -172,7 +172,8 @@ class RollerEquations(ContactEquations[RollerGeometry, RollerState]):
         """Return the residual of the tangential load or the creepage, and that of the load.
 
         int p dx must be P, and int q dx the tangential load Q.  An iterate whose load is not yet P
-        may transmit less: its tangential load must be (Q/P) int p dx.
+        may transmit less: its tangential load must be (Q/P) int p dx.  p and q are the pressures
+        and tractions at all nodes, (N+1,) [Pa]; both residuals are dimensionless.
         """
         problem = self.problem
         load = a * float(self.mesh.weights @ p)
@@ -317,7 +318,7 @@ class RollerEquations(ContactEquations[RollerGeometry, RollerState]):
         return np.asarray(a * points)
 
     def slip(self, state: RollerState) -> tuple[float, Array]:
-        """Return xi and the slip of all nodes: strains in rolling, lengths [m] if static.
+        """Return xi and the slip of all nodes, (N+1,): strains in rolling, lengths [m] if static.
 
         An xi that no equation determines is that of vanishing friction (docstring of the module).
         """
@@ -356,7 +357,10 @@ class RollerEquations(ContactEquations[RollerGeometry, RollerState]):
         return out if self.static else {**out, "creepage": self.slip(state)[0]}
 
     def outputs(self, state: RollerState, active: Array) -> dict[str, float]:
-        """Return the outputs whose discretisation error is estimated."""
+        """Return the outputs whose discretisation error is estimated, by name, in SI units.
+
+        ``active`` are the zones of the traction nodes, (k,).
+        """
         problem, a = self.problem, state.geometry.a
         xi, _ = self.slip(state)
         out = {
@@ -439,7 +443,10 @@ def work_on_rollers(state: RollerState) -> tuple[BodyWork, BodyWork]:
 
 
 def pressure_median(values: Array, weights: Array) -> float:
-    """Return the weighted median, linear between the values."""
+    """Return the median of values with weights, (n,) each, linear between the values.
+
+    Half of the weight lies on either side of it; that of a value lies half below, half above it.
+    """
     order = np.argsort(values)
     v, w = values[order], weights[order]
     fraction = (np.cumsum(w) - w / 2) / np.sum(w)

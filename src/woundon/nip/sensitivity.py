@@ -242,7 +242,7 @@ class _Linearisation:
         self.factors = lu_factor(matrix / self.row_size[:, None], check_finite=False)
 
     def _at_ln_a(self, change: float) -> Array:
-        """Return the unknowns with every ln a changed."""
+        """Return the unknowns, (size,), with every ln a changed."""
         u = self.u.copy()
         u[self.system.ln_a] += change
         return u
@@ -326,9 +326,10 @@ class _Linearisation:
 def _central_difference(
     values_of: Callable[[ContactProblem], Array], problem: ContactProblem, name: str, value: float
 ) -> Array:
-    """Return the derivative of ``values_of(problem)`` by a field, with its present value.
+    """Return the derivative of ``values_of(problem)``, (n,), by the field ``name``, (n,).
 
-    It is a central difference quotient, one-sided at the end of the permitted range of the field.
+    ``value`` is that of the field in the problem.  It is a central difference quotient, one-sided
+    at the end of the permitted range of the field.
     """
     step = STEP * _step_scale(problem, name, value)
 

@@ -41,7 +41,6 @@ from ..elasticity.surface import Deformation, SurfaceTangent
 from ..problems.nip import NipProblem
 from .contact_equations import DIFFERENCE
 from .equations import Assembly, Fields, Geometry, NipState
-from .layout import Layout
 from .nip_fields import NipFields
 from .outputs import NipSystem, drum_creepage, evaluation_weights, roll_wound_on_tension
 from .single_nips import single_nips
@@ -125,8 +124,9 @@ class SeveralNips:
         ]
         nips = self.nips
         web = problem.web
-        self.stretch = web.compliance.c11 / web.thickness
-        # parts of the unknowns, the equilibrium equations and the traction nodes of each nip
+        self.stretch = web.compliance.c11 / web.thickness  # strain of the web by its tension, m/N
+        # parts of the unknowns, the equilibrium equations and the traction nodes of each nip; the
+        # tractions q are its last unknowns, and there are as many equilibrium equations as others
         self.unknowns = _parts([nip.layout.size for nip in nips])
         self.equilibrium = _parts([nip.layout.q.start for nip in nips])
         self.tractions = _parts([nip.layout.traction_count for nip in nips])
@@ -179,7 +179,7 @@ class SeveralNips:
         return SeveralNips(problem, self.size, [nip.for_problem(each) for nip, each in pairs])
 
     def node_names(self, tractions: Array) -> list[str]:
-        """Return the names of traction nodes for messages."""
+        """Return the names of traction nodes (indices among those of all nips) for messages."""
         names = []
         for k, (part, nip) in enumerate(zip(self.tractions, self.nips, strict=True)):
             own = tractions[(tractions >= part.start) & (tractions < part.stop)] - part.start
@@ -187,7 +187,10 @@ class SeveralNips:
         return names
 
     def initial_guess(self) -> tuple[Array, Array]:
-        """Return unknowns u with zero fields, the half widths without friction, and full stick."""
+        """Return unknowns u with zero fields, the half widths without friction, and full stick.
+
+        Shapes (size,) and (traction nodes,).
+        """
         u = np.zeros(self.scales.size)
         u[self.ln_a] = np.log(self._half_widths)
         return u, np.zeros(self.traction_unknowns.size, dtype=np.int8)
@@ -195,7 +198,10 @@ class SeveralNips:
     def prolong(
         self, state: SeveralState, active: Array, coarse: SeveralNips
     ) -> tuple[Array, Array]:
-        """Return the initial guess on this mesh from the solution on another mesh."""
+        """Return the initial guess on this mesh from the solution on another mesh.
+
+        Parameters and arrays returned as of :meth:`.NipEquations.prolong`, of all nips.
+        """
         guesses = [
             nip.prolong(own, active[part], other)
             for nip, own, part, other in zip(
@@ -246,13 +252,21 @@ class SeveralNips:
     # ---- residual ------------------------------------------------------------------------------
 
     def evaluate(self, u: Array, tolerance: float = 0.0) -> SeveralState:
-        """Return the state of the unknowns u with responses of a relative error."""
+        """Return the state of the unknowns u, (size,).
+
+        ``tolerance`` is the relative error of interpolated responses that is accepted; by default
+        they are exact.
+        """
         halves = [exp(value) for value in u[self.ln_a]]
         pairs = zip(self.nips, halves, strict=True)
         return self.state(u, [nip.geometry(a, tolerance) for nip, a in pairs])
 
     def state(self, u: Array, geometries: list[Geometry]) -> SeveralState:
-        """Evaluate residuals, slip velocities and friction bounds of the unknowns u."""
+        """Evaluate residuals, slip velocities and friction bounds of the unknowns u, (size,).
+
+        The inlet tension of a nip is the tension at the end of the one before; the last nip comes
+        before the others, because its tension determines the laid strain.
+        """
         T, fields = self.problem.web_tension, []
         for nip, part, geometry in zip(self.nips, self.unknowns, geometries, strict=True):
             fields.append(nip.fields(u[part], geometry, T))
@@ -298,70 +312,81 @@ class SeveralNips:
         return out
 
     def _add_far_deformations(self, jacobian: Jacobian, assemblies: list[Assembly]) -> None:
-        """Add the derivatives of slopes, curvatures and strains by the loads on other faces.
+        """Add the derivatives by the loads on other faces: those on face j deform face i.
 
-        In the slips of the last nip the strain at the end is subtracted.  That at the evaluation of
-        the closed tension changes the laid strain.
+        Their slopes v+' enter the gap slope, their curvatures -v+'' the normal equilibrium of the
+        roll wrap, and their strains eps+ the slip v+ = eps - eps+ - E.  In the last nip, eps - eps+
+        at the end of its face stands for E; its eps+ at the evaluation of W changes the E of all
+        others.
+
+        How the tension upstream of a nip changes the hoop pressure in it is neglected.
         """
         assert self.coupling is not None
-        at_points = evaluation_weights(self.nips[-1], assemblies[-1].fields)[1]
+        # weights of eps+ at the points of the last face, with which W is evaluated
+        _, weights_of_strain = evaluation_weights(self.nips[-1], assemblies[-1].fields)
         for (i, j), far in self._far_tangents.items():
             source, target = assemblies[j], assemblies[i]
             nip, columns = self.nips[i], self.unknowns[j]
+            # at the points of face i by the unknowns of nip j, (points, unknowns) each
             slope, strain = (
-                self._scaled(j, source.a) * self._by_unknowns(self.nips[j].layout, by_p, by_q)
+                self._scaled(j, source.a) * source.by_loads_on_roll(by_p, by_q)
                 for by_p, by_q in ((far.slope_p, far.slope_q), (far.strain_p, far.strain_q))
             )
             blocks = self._blocks(jacobian, i)
-            cells = nip.layout.last - nip.layout.first
-            blocks.equilibrium[:cells, columns] += slope[:cells] / nip.slope_scale
+            # the face of the roll begins at the leading edge: the cells of the nip come first
+            nip_cells = nip.layout.last - nip.layout.first
+            blocks.equilibrium[:nip_cells, columns] += slope[:nip_cells] / nip.slope_scale
             # the rows of the roll wrap are the last ones but those of force and load
-            nodes = nip.layout.roll_wrap_nodes
-            T = target.fields.hoop_tension[nodes, None]
+            T = target.fields.hoop_tension[nip.layout.roll_wrap_nodes, None]
             face = target.fields.geometry.roll.face
-            bent = face.curvature_change(slope, target.a, ends=False)[cells:]
-            blocks.equilibrium[-2 - len(T) : -2, columns] -= T * bent / nip.pressure_scale
+            curvature = face.curvature_change(slope, target.a, ends=False)
+            on_wrap = T * curvature[nip_cells:]
+            blocks.equilibrium[-2 - len(T) : -2, columns] -= on_wrap / nip.pressure_scale
             n = nip.layout.roll_nodes.size
-            slip = strain[:n]
+            relative_strain = strain[:n]
             if nip.is_last:
-                slip = slip - strain[-1]
+                relative_strain = relative_strain - strain[-1]
+                # dE = dE/dW dW, and dW = -(2h/c11) d eps+
                 by_strain = self.coupling.laid_by_closed / self.stretch
-                self.coupling.laid_strain[columns] -= by_strain * (at_points @ strain)
-            blocks.slip[:n, columns] -= slip / nip.slope_scale
-
-    @staticmethod
-    def _by_unknowns(layout: Layout, by_p: Array, by_q: Array) -> Array:
-        """Return derivatives by the unknowns of a nip from those by the loads on the roll's face.
-
-        The hoop pressure in the nip, by which p+ and p- differ, is neglected.
-        """
-        out = np.zeros((len(by_p), layout.size))
-        on_roll = np.nonzero(layout.p_nodes > layout.first)[0]  # unknowns: pressures on the roll
-        out[:, on_roll] = by_p[:, layout.p_nodes[on_roll] - layout.first]
-        out[:, layout.roll_q] = by_q[:, 1:-1]
-        return out
+                self.coupling.laid_strain[columns] -= by_strain * (weights_of_strain @ strain)
+            blocks.slip[:n, columns] -= relative_strain / nip.slope_scale
 
     def _blocks(self, jacobian: Jacobian, index: int) -> Jacobian:
-        """Return the rows of a nip."""
+        """Return the rows of nip ``index`` in the Jacobian of all nips, as views."""
         rows, nodes = self.equilibrium[index], self.tractions[index]
         return Jacobian(jacobian.equilibrium[rows], jacobian.slip[nodes], jacobian.bound[nodes])
 
     def _couple(self, jacobian: Jacobian, index: int, columns: slice | int) -> None:
-        """Add the derivatives by the inlet tension and the laid strain to the rows of a nip."""
+        """Add the derivatives by the inlet tension and the laid strain to the rows of a nip.
+
+        Parameters
+        ----------
+        jacobian : Jacobian
+            Of all nips.
+        index : int
+            Number of the nip, from 0.
+        columns : slice or int
+            Unknowns by which the inlet tension and the laid strain are differentiated.
+        """
         coupling = self.coupling
         assert coupling is not None
         nip, blocks = self.nips[index], self._blocks(jacobian, index)
-        if index:
+        if index:  # the inlet tension of the first nip is given
             tension = coupling.inlet_tensions[index, columns]
             for block, own in zip(blocks, coupling.by_inlet_tension[index], strict=True):
                 block[:, columns] += np.multiply.outer(own, tension)
         if not nip.is_last:
+            # dE_k: E less the strain c11 T_k(end)/2h, to which the slips of the nip are relative
             laid = coupling.laid_strain[columns]
             laid = laid - self.stretch * coupling.inlet_tensions[index + 1, columns]
             blocks.slip[: nip.layout.roll_nodes.size, columns] -= laid / nip.slope_scale
 
     def _coupling(self, state: SeveralState, last: Assembly) -> _Coupling:
-        """Return the derivatives that couple the nips, by all unknowns but ln a."""
+        """Return the derivatives that couple the nips, by all unknowns but ln a.
+
+        Those by a tension are difference quotients: each nip is evaluated for an inlet tension that
+        is larger by a step.  ``last`` is the assembly of the last nip.
+        """
         size, step = self.unknowns[-1].stop, STEP * self.problem.nip_load
         tensions, by_tension = np.zeros((len(self.nips) + 1, size)), []
         shifted_last = state.nips[-1]
@@ -378,6 +403,7 @@ class SeveralNips:
                     (shifted_last.bound - own.bound) / step,
                 )
             )
+            # T_(k+1) = T_k + int (q+ + q-) dx
             tensions[index + 1] = tensions[index]
             weights = own.geometry.a * own.geometry.mesh.weights
             tensions[index + 1, part][nip.layout.roll_q] = weights[nip.layout.roll_nodes]
@@ -393,12 +419,16 @@ class SeveralNips:
         return _Coupling(by_tension, by_W, by_W * W_by_tension, tensions, laid)
 
     def _closed_tension_row(self, last: Assembly) -> Array:
-        """Return dW/du_K at a fixed inlet tension, without that by ln a."""
+        """Return dW/du_K at a fixed inlet tension, without that by ln a, (unknowns of nip K,).
+
+        W = T + (2h/c11) (eps_closed(T) - eps+), T and eps+ at the point of evaluation.
+        """
         nip, f, roll = self.nips[-1], last.fields, self.problem.roll
         layout, R = nip.layout, roll.radius
         nodes, points = evaluation_weights(nip, f)
         T = float(nodes @ f.tension)
         low, high = ((T * (1 + k) - self.problem.centrifugal_tension) / R for k in (-STEP, STEP))
+        # change of eps_closed from T (1 - STEP) to T (1 + STEP)
         closed = roll.uniform_strain(high) - roll.uniform_strain(low)
         dT = last.a * (nodes @ last.mesh.integral_to_nodes)
         by_T = np.zeros(layout.size)
@@ -425,6 +455,7 @@ class SeveralNips:
             if nip.is_last:
                 dW = (roll_wound_on_tension(nip, shifted) - W) / DIFFERENCE
                 coupling.laid_strain[column] = coupling.laid_by_closed * dW
+            # its own rows first, at a fixed inlet tension and laid strain; then the coupling
             for block in jacobian:
                 block[:, column] = 0.0
             for name, block in self._blocks(jacobian, index)._asdict().items():
@@ -446,6 +477,7 @@ class SeveralNips:
         """Return all outputs whose discretisation error is estimated, by name, in SI units.
 
         Those of the first nip, of the whole web, and ``contacts.k.name`` of the further nips.
+        ``active`` are the zones of the traction nodes of all nips, (k,).
         """
         each = [
             nip.outputs(own, active[part])
@@ -469,7 +501,8 @@ class SeveralNips:
     def arrays(self, state: SeveralState, active: Array) -> dict[str, Array]:
         """Return the fields along the web by the names of the results, one nip after the other.
 
-        In addition half width, position, offset and creepage of the further nips.
+        In addition half width, position, offset and creepage of the further nips.  ``active`` are
+        the zones of the traction nodes of all nips, (k,).
         """
         halves = [own.geometry.a for own in state.nips]
         centres = self.centres(halves)

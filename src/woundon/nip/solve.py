@@ -28,6 +28,7 @@ from ..contact.refinement import (
     Refinement,
     Tolerances,
     refine,
+    richardson_estimates,
 )
 from ..errors import RESOLUTION, InvalidProblem, NoSteadyState, NotConverged
 from ..parallel import one_thread
@@ -176,11 +177,12 @@ def solve_with_film(
     frictions = frictions or (problem.roll_friction, problem.friction_on_wrap)
     largest_mesh, chooses_nodes = 0, options.get("nodes") is None and options.get("rtol") is None
     for iteration in range(MAX_FILM_ITERATIONS):
+        # the friction converges on one mesh only: from some iteration on it is not chosen again
         if chooses_nodes and iteration >= FREE_ITERATIONS:
             options["nodes"] = largest_mesh
         solved = _solve(problem.without_air(*frictions), **options)
         nip = solved.in_nip
-        if iteration:
+        if iteration:  # the first friction is a guess, which may need another mesh
             largest_mesh = max(largest_mesh, solved.nodes)
         film = air_film(problem, solved.x[nip], solved.roll_pressure[nip], solved.half_width)
         reduced = film.roll_friction, film.wrap_friction
@@ -220,6 +222,13 @@ def _refined(
     max_nodes = MOST_NODES if problem.linear else MOST_NODES_NONLINEAR
     tolerances = _tolerances(problem, rtol or default)
     known = start.refinement if start else None
+    solved: list[MeshSolution] = []
+
+    def check(mesh: MeshSolution) -> None:
+        """Keep the solution on a mesh, and reject a web that is certainly slack there."""
+        solved.append(mesh)
+        _check_taut(problem, mesh, CERTAINLY_SLACK)
+
     try:
         refinement = refine(
             lambda size: system_of(problem, size),
@@ -230,10 +239,11 @@ def _refined(
             start=known,
             # of the same problem only the coarse meshes are solved
             last=known.last if known and start and start.problem == problem else None,
-            check=lambda mesh: _check_taut(problem, mesh, CERTAINLY_SLACK),
+            check=check,
             **options,
         )
     except NewtonFailed as failed:
+        _check_slack_beyond_errors(problem, solved)
         neighbour = None
         if problem.drum_wrap and start is None:
             # continuation: the web on the drum is added to the solution without it
@@ -276,7 +286,7 @@ def _longer_wrap(problem: NipProblem) -> NipResult | None:
         start = _refined(problem.replace(roll_wrap=wrap), nodes=FIRST_SIZES[-1], start=start)
         edge = start.half_width / R
         smallest = (1 + SHORTEST_WRAP) * edge
-        if wrap <= (1 + SHORTEST_WRAP / 10) * smallest:
+        if wrap <= (1 + SHORTEST_WRAP / 10) * smallest:  # still longer than theta, which is inside
             text = f"{theta:.6g} is out of range; must be 0 or >= {1.001 * wrap:.4g} [rad]"
             raise InvalidProblem.at(
                 "roll_wrap",
@@ -354,16 +364,54 @@ def _check_taut(problem: NipProblem, mesh: MeshSolution, permitted: float = 0.0)
     permitted : float
         Slackness that counts as an error of a coarse mesh, relative to the largest tension.
     """
+    force = problem.centrifugal_tension
+    for name, least, largest in _tensions_on_wraps(problem, mesh):
+        if least - force <= -permitted * largest:
+            raise _slack(problem, name, least)
+
+
+def _check_slack_beyond_errors(problem: NipProblem, solved: Sequence[MeshSolution]) -> None:
+    """Raise an error if the web is slack by more than the estimated errors on coarse meshes.
+
+    Of a problem without a solution on a finer mesh: the hoop pressure T kappa of a slack web pulls
+    at the roll, so that the equations are ill-posed on meshes that resolve it, and the friction
+    law has no bound (docs/theory/wraps.md).
+
+    Parameters
+    ----------
+    problem : NipProblem
+    solved : sequence of MeshSolution
+        Of all attempts, in their order; an attempt begins with a coarser mesh than the last one.
+    """
+    ascending: list[MeshSolution] = []
+    for mesh in solved:
+        if not ascending or mesh.size > ascending[-1].size:
+            ascending.append(mesh)
+    if not ascending:
+        return
+    tensions = [[least for _, least, _ in _tensions_on_wraps(problem, mesh)] for mesh in ascending]
+    errors = richardson_estimates([mesh.size for mesh in ascending], tensions)  # nan of two meshes
+    on_last = _tensions_on_wraps(problem, ascending[-1])
+    for (name, least, _), error in zip(on_last, errors, strict=True):
+        if least - problem.centrifugal_tension < -error:
+            raise _slack(problem, name, least)
+
+
+def _tensions_on_wraps(problem: NipProblem, mesh: MeshSolution) -> list[tuple[str, float, float]]:
+    """Return the least tension on each wrap, and the largest one of its nip [N/m].
+
+    With the place of the wrap, "upstream" or "downstream" of the nip.
+    """
     nips: Sequence[NipEquations] = mesh.system.nips
+    found = []
     for nip, state in zip(nips, mesh.state.nips, strict=True):
         layout, T = nip.layout, state.fields.tension
-        for name, tension, wrapped in (
-            ("downstream", T[layout.roll_wrap_nodes], problem.roll_wrap > 0),
-            ("upstream", T[layout.drum_wrap_nodes], nip.drum_wrap > 0),
-        ):
-            min_tension, force = float(tension.min()), problem.centrifugal_tension
-            if wrapped and min_tension - force <= -permitted * float(np.abs(T).max()):
-                raise _slack(problem, name, min_tension)
+        largest = float(np.abs(T).max())
+        if problem.roll_wrap > 0:
+            found.append(("downstream", float(T[layout.roll_wrap_nodes].min()), largest))
+        if nip.drum_wrap > 0:
+            found.append(("upstream", float(T[layout.drum_wrap_nodes].min()), largest))
+    return found
 
 
 def _slack(problem: NipProblem, name: str, tension: float) -> NoSteadyState:
@@ -435,7 +483,10 @@ def _warnings_of_all_nips(
     state: NipState | SeveralState,
     active: np.ndarray,
 ) -> list[str]:
-    """Return the warnings of the first nip, and those that further nips have in addition."""
+    """Return the warnings of the first nip, and those that further nips have in addition.
+
+    ``active`` are the zones of the traction nodes of all nips, (k,).
+    """
     texts = list(nip_warnings(result))
     if isinstance(system, NipSystem):
         return texts

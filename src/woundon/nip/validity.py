@@ -109,7 +109,10 @@ def _frequency_warnings(
 
 
 def _indentation(result: NipResult | RollerResult, body: Body, traction: Array) -> float:
-    """Return the indentation of a body of finite thickness in the middle of the nip [m]."""
+    """Return the indentation of a body of finite thickness in the middle of the nip [m].
+
+    ``traction`` is that on the body at the nodes of the nip [Pa].
+    """
     if not body.linear:
         return float(result.approach)  # an upper bound
     p, q = getattr(result, result.CONTACT_PRESSURE)[result.in_nip], traction
@@ -123,7 +126,10 @@ def _indentation(result: NipResult | RollerResult, body: Body, traction: Array) 
 
 
 def _stiffness_warnings(name: str, body: Body, peak: float, traction: Array) -> Iterator[str]:
-    """Yield warnings about peak pressure and traction relative to the stiffness of a body."""
+    """Yield warnings about peak pressure and traction relative to the stiffness of a body.
+
+    ``peak`` is the largest pressure, ``traction`` that at the nodes [Pa].
+    """
     if body.surface_material is None:
         return
     stiffness = body.surface_material.stiffness
@@ -153,7 +159,7 @@ def _body_warnings(r: NipResult) -> Iterator[str]:
 
 
 def _surface_strain_warnings(r: NipResult, web: Array) -> Iterator[str]:
-    """Yield warnings about large surface strains; ``web`` is the strain of the web."""
+    """Yield warnings about large surface strains; ``web`` is the strain of the web in the nip."""
     x = r.x[r.in_nip]
     for (name, strain), body in zip(
         _body_surface_strains(r, web).items(), r.problem.bodies, strict=True
@@ -190,7 +196,10 @@ def _web_strain(r: NipResult) -> Array:
 
 
 def _web_warnings(r: NipResult, strain: Array) -> Iterator[str]:
-    """Yield warnings about pressure, strain, thickness and slackness of the web."""
+    """Yield warnings about pressure, strain, thickness and slackness of the web.
+
+    ``strain`` is that of the web at all nodes.
+    """
     web, peak = r.problem.web, float(r.drum_pressure.max())
     modulus = web.radial_modulus(peak)
     yield from limit_warning(

@@ -46,6 +46,7 @@ def _boundary(x: Array, zones: Array, slip: Array, slack: Array, left: int, righ
 
     Between a stick and a slip node it divides their distance in the ratio of two extrapolations:
     of mu p - |q| to zero in the stick zone, and of the slip velocity to zero in the slip zone.
+    Arrays as of :func:`boundary_positions`, but ``slip`` is the magnitude of the velocity.
     """
     if zones[left] * zones[right] < 0:  # slip changes its direction
         t = slip[left] / (slip[left] + slip[right]) if slip[left] + slip[right] else 0.5
@@ -58,7 +59,11 @@ def _boundary(x: Array, zones: Array, slip: Array, slack: Array, left: int, righ
 
 
 def _cells_to_zero(values: Array, node: int, outward: int) -> float:
-    """Extrapolate a quantity from a node and the next one outward; return the cells to its zero."""
+    """Extrapolate a quantity linearly to its zero; return the distance from a node in cells.
+
+    It is extrapolated from the node and the next one ``outward`` (+1 or -1), away from the zone
+    boundary, and is at most one cell, also where it does not fall towards the boundary.
+    """
     following = node + outward
     if not 0 <= following < values.size or values[following] <= values[node]:
         return 1.0
@@ -68,6 +73,7 @@ def _cells_to_zero(values: Array, node: int, outward: int) -> float:
 def slip_lengths(x: Array, zones: Array, slip: Array, slack: Array) -> tuple[float, float]:
     """Return the lengths of the slip zones at the leading and at the trailing edge [m].
 
+    Parameters as of :func:`boundary_positions`.
     They have the sign of the slip, > 0 where the web is faster, and are 0 where the web sticks.
     """
     leading, trailing = int(zones[0]), int(zones[-1])
@@ -87,6 +93,7 @@ def slip_share(x: Array, zones: Array, slip: Array, slack: Array) -> float:
         As for :func:`boundary_positions`.
     """
     ends = [x[0], *boundary_positions(x, zones, slip, slack), x[-1]]
+    # of each run of nodes in one zone: whether it slips
     slips = zones[np.append(True, np.diff(zones) != 0)] != 0
     return float(np.diff(ends)[slips].sum() / (x[-1] - x[0]))
 
@@ -99,7 +106,7 @@ def has_traction_jump(zones: Array) -> bool:
     >>> has_traction_jump(np.array([-1, 0, 1])), has_traction_jump(np.array([-1, 0, 0, 1]))
     (True, False)
     """
-    single = (zones[1:-1] == 0) & (zones[:-2] * zones[2:] < 0)
+    single = (zones[1:-1] == 0) & (zones[:-2] * zones[2:] < 0)  # stick nodes between them
     return bool(single.any() or (zones[:-1] * zones[1:] < 0).any())
 
 

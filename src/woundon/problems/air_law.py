@@ -63,7 +63,10 @@ class AirBetween(RadialLaw):
         return float(self.law.max_pressure)
 
     def _compliance(self, P: Array) -> Array:
-        """Return 1/E_r(P)."""
+        """Return 1/E_r(P): the strains of web and film, in the shares of their thicknesses.
+
+        The film h under ambient pressure p_a is compressed isothermally to h p_a/(p_a + P).
+        """
         h, t, p_a = self.film, self.web_thickness, self.ambient_pressure
         return (t / self.law.modulus(P) + h * p_a / (p_a + P) ** 2) / (t + h)
 
@@ -71,6 +74,7 @@ class AirBetween(RadialLaw):
         return 1 / self._compliance(P)
 
     def _slope(self, P: Array) -> Array:
+        """Return dE_r/dP = -(d(1/E_r)/dP) E_r^2, the compliance as of :meth:`_compliance`."""
         h, t, p_a = self.film, self.web_thickness, self.ambient_pressure
         of_stack = t * self.law.modulus_slope(P) / self.law.modulus(P) ** 2
         of_air = 2 * h * p_a / (p_a + P) ** 3

@@ -178,9 +178,8 @@ def of_winding(problem: Any) -> tuple[str, ...]:
 
 
 def _changes(problem: Any) -> list[str]:
-    """Return the assumption on the changes of the finished roll, if there are any."""
-    changes = problem.temperature_change or problem.moisture_change or problem.core_shrinkage
-    return [CHANGES] if changes else []
+    """Return the assumption on the strains of the finished roll, if there are any."""
+    return [CHANGES] if problem.is_strained else []
 
 
 def _rotation(problem: Any) -> Iterator[str]:

@@ -25,6 +25,7 @@ from .free_strains import (
     swelling,
 )
 from .messages import quote
+from .permitted import ValuesWithin
 from .problem import Problem
 from .schedules import Curve, Schedule, misfits_on_roll, values_of
 
@@ -58,15 +59,27 @@ UNCHANGED: Mapping[str, Any] = {
     "core_shrinkage": 0.0,
     "core_removed": False,
 }
+
+
+def _within(change: str) -> ValuesWithin:
+    """Return the permitted values of a change of temperature or moisture."""
+    largest, _ = FREE_STRAINS[change]
+    return ValuesWithin(ge=-largest, le=largest)
+
+
 # Types of the fields.
 TemperatureChange = Annotated[
-    Schedule, Quantity("dT", "K", "temperature change of the finished roll", typical=(-40, 40))
+    Schedule,
+    Quantity("dT", "K", "temperature change of the finished roll", typical=(-40, 40)),
+    _within("temperature_change"),
 ]
 TangentialExpansion = Annotated[Number, ALONG_EXPANSION, EXPANSION_RANGE]
 RadialExpansion = Annotated[Number, THROUGH_EXPANSION, EXPANSION_RANGE]
 CoreExpansion = Annotated[Number, expansion("alpha_c", "of the core"), EXPANSION_RANGE]
 MoistureChange = Annotated[
-    Schedule, share("dm", "change of the moisture content of the finished roll")
+    Schedule,
+    share("dm", "change of the moisture content of the finished roll", typical=(-0.05, 0.05)),
+    _within("moisture_change"),
 ]
 TangentialSwelling = Annotated[Number, ALONG_SWELLING, SWELLING_RANGE]
 RadialSwelling = Annotated[Number, THROUGH_SWELLING, SWELLING_RANGE]
@@ -129,10 +142,18 @@ class FinishedRollProblem(Problem):
         )
 
     @property
+    def is_strained(self) -> bool:
+        """True if temperature, moisture or a shrinking core strain the finished roll.
+
+        A change without a coefficient does not, nor does a core that is removed.
+        """
+        by_change = any(getattr(self, c) != 0 and self._strains_by(c) for c in FREE_STRAINS)
+        return bool(by_change or (self.core_shrinkage and not self.core_removed))
+
+    @property
     def is_changed(self) -> bool:
         """True if the finished roll differs from the roll as wound."""
-        strained = any(getattr(self, c) != 0 and self._strains_by(c) for c in FREE_STRAINS)
-        return bool(strained or self.core_shrinkage or self.core_removed)
+        return bool(self.is_strained or self.core_removed)
 
     @property
     def _unused_changes(self) -> tuple[str, ...]:
@@ -149,7 +170,7 @@ class FinishedRollProblem(Problem):
         """Yield warnings about changes without effect, and about coefficients of no grade."""
         for change, (_, coefficients) in FREE_STRAINS.items():
             if getattr(self, change) != 0 and not self._strains_by(change):
-                zero = self._coefficients_of(change)
+                zero = self.coefficients_of(change)
                 yield f"{change} is not used, as {one_of(zero, 'and')} are 0"
             elif getattr(self, change) != 0:
                 yield from self._unknown_coefficients(coefficients[:2])
@@ -167,9 +188,9 @@ class FinishedRollProblem(Problem):
 
     def _strains_by(self, change: str) -> bool:
         """Return True if layers or core are strained by a change of temperature or moisture."""
-        return any(getattr(self, name) for name in self._coefficients_of(change))
+        return any(getattr(self, name) for name in self.coefficients_of(change))
 
-    def _coefficients_of(self, change: str) -> tuple[str, ...]:
+    def coefficients_of(self, change: str) -> tuple[str, ...]:
         """Return the coefficients of layers and core by which a change of the roll strains them."""
         _, (along, through, core) = FREE_STRAINS[change]
         return (along, through) if self.core_removed else (along, through, core)

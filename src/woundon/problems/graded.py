@@ -71,7 +71,7 @@ def graded_layers(
 
 
 def _cell_boundaries(kinks: list[float]) -> Array:
-    """Return relative depths from 0 to 1: kinks of the pressure, and cells that grow inwards.
+    """Return relative depths from 0 to 1, ascending: kinks of the pressure, and cells that grow.
 
     The cells are small near the surface, because short waves decay within a short depth.
     """

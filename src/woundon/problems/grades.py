@@ -607,6 +607,7 @@ def _fields_of_grade(
     }
     roll, air = fields.get("roll"), fields.get("air")
     if isinstance(roll, Mapping):
+        # of other bodies, as a layered one, a grade supplies nothing
         is_wound = roll.get("kind") == "wound_roll" or "pressure" in roll
         is_plain = roll.get("kind", "cylinder") in ("cylinder", "half_plane")
         if is_wound:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Conditional",
+    "ValuesWithin",
     "accepts_number",
     "admissible",
     "admits",
@@ -40,6 +41,14 @@ class Conditional:
     """Metadata of a field with the default None that some descriptions require: when, in words."""
 
     text: str
+
+
+@dataclass(frozen=True)
+class ValuesWithin:
+    """Metadata of a schedule: bounds of its values, which the problem checks."""
+
+    ge: float
+    le: float
 
 
 def requirement(field: FieldInfo) -> str:
@@ -106,10 +115,12 @@ def in_brackets(unit: str) -> str:
 def admissible(field: FieldInfo) -> str:
     """Return the permitted values as text: "> 0 and <= 10", "Rigid, HalfPlane or Cylinder"."""
     models = members_of(field.annotation)
+    limits = " and ".join(f"{sign} {bound:.6g}" for sign, bound in bounds(field))
     if models:
         names = one_of(model.__name__ for model in models)
         if accepts_number(field.annotation):
-            names = f"a number{in_brackets(unit_of(field))} or a {names}"
+            number = " ".join(filter(None, ("a number", limits))) + in_brackets(unit_of(field))
+            names = f"{number} or a {names}"
         by_name = ", or a name that 'woundon materials' lists" if "Isotropic" in names else ""
         return f"{names} (or a table of its fields{by_name})"
     if field.annotation is bool:
@@ -117,7 +128,6 @@ def admissible(field: FieldInfo) -> str:
     words = [part for part in get_args(field.annotation) if isinstance(part, str)]  # of a Literal
     if words:
         return one_of(map(repr, words))
-    limits = " and ".join(f"{sign} {bound:.6g}" for sign, bound in bounds(field))
     return (limits or "a finite number") + in_brackets(unit_of(field))
 
 

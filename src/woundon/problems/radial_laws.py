@@ -95,6 +95,7 @@ class RadialLaw(Family):
         p = np.asarray(P, dtype=float)
         if self._in_range(p):
             return as_given(self._modulus(p))
+        # the law continues along its tangent below zero, and is constant above its largest pressure
         E, slope, P_min = self._tangent_at_zero
         tangent = E + slope * np.clip(p, P_min, 0.0)
         return as_given(np.where(p < 0, tangent, self._modulus(np.clip(p, 0.0, self.max_pressure))))
@@ -152,7 +153,8 @@ class RadialLaw(Family):
     def _extrapolate(self, strain: Array, P: Array) -> Array:
         """Return P, with closed forms at strains outside the range of the law.
 
-        They are the inverse of the extrapolation of :meth:`strain_at`.
+        They are the inverse of the extrapolation of :meth:`strain_at`: tangents at P = 0 and at the
+        largest pressure.  ``strain`` and ``P`` have one shape, and so has the result.
         """
         E, slope, P_min = self._tangent_at_zero
         end = self.strain_at(P_min) if isfinite(P_min) else -inf
@@ -329,10 +331,12 @@ class Polynomial(SolidLaw):
         return polynomial.polyval(P, polynomial.polyder(self.coefficients))
 
     def _strain(self, P: Array) -> Array:
+        """Return F(P) = int_0^P dP/E_r by Gauss's rule."""
         # Substitution P = scale (e^t - 1): it moves the poles of 1/E_r away from the interval.
         scale = self._scale
 
         def integrand(t: Array) -> Array:
+            """Return (dP/dt)/E_r."""
             P = scale * np.expm1(t)
             return (P + scale) / self._modulus(P)
 
@@ -393,11 +397,13 @@ class PowerLaw(SolidLaw):
         return self.E0 + self.k * (np.maximum(P, self._start) / 1e5) ** self.m
 
     def _slope(self, P: Array) -> Array:
+        """Return dE_r/dP = k m/P_1 (P/P_1)^(m - 1), P_1 = 100 kPa."""
         with np.errstate(divide="ignore"):  # infinite at P = 0 where m < 1
             slope = self.k * self.m / 1e5 * (P / 1e5) ** (self.m - 1)
         return np.where(self._start > P, 0.0, slope)
 
     def _strain(self, P: Array) -> Array:
+        """Return F(P) = int_0^P dP/E_r, in closed form up to the pressure that doubles E0."""
         from scipy.special import hyp2f1
 
         m = self.m
@@ -505,6 +511,7 @@ class StackTest(SolidLaw):
     def _derivative(self, P: Array, order: int) -> Array:
         """Return a derivative of the strain by ln(1 + P/K1), of order 0, 1 or 2; 0 is the strain.
 
+        P is an array of any shape [Pa], and so is the result [1].
         Below the smallest measured pressure the spline is extrapolated linearly.
         """
         K1, spline = self._fit  # t: its knots, the first at the smallest measured pressure

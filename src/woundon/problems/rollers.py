@@ -91,7 +91,9 @@ class RollerProblem(ContactProblem):
     creepage: Annotated[OptionalNumber, strain("xi", "creepage"), Field(gt=-0.5, lt=0.5)] = default(
         None
     )
-    motion: Literal["rolling", "static"] = "rolling"
+    motion: Annotated[Literal["rolling", "static"], Field(description="motion of the rollers")] = (
+        "rolling"
+    )
     speed: Annotated[
         OptionalNumber,
         velocity("V", "surface speed", (0.1, 50.0)),

@@ -82,7 +82,9 @@ class Profile(Description):
         OF_FIELD,
         Field(min_length=2, max_length=10_000, description="values at these radii"),
     ]
-    between: Literal["lines", "smooth"] = "lines"
+    between: Annotated[
+        Literal["lines", "smooth"], Field(description="curve between the values")
+    ] = "lines"
 
     @model_validator(mode="after")
     def _check_columns(self) -> Self:
@@ -175,7 +177,10 @@ class Taper(Description):
         pure("k_T", "taper: relative decrease over the build-up", (0.0, 0.7)),
         Field(ge=-10, le=1),
     ] = default(0.0)
-    law: Literal["linear", "hyperbolic", "constant_torque", "power"] = "linear"
+    law: Annotated[
+        Literal["linear", "hyperbolic", "constant_torque", "power"],
+        Field(description="law of the taper"),
+    ] = "linear"
     exponent: Annotated[
         OptionalNumber,
         pure("n_T", "exponent of the power law of a taper", (0.0, 1.0)),

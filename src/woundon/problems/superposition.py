@@ -136,6 +136,7 @@ def _constants(p: Array, difference: Array) -> tuple[float, float]:
 def _first_wlf(difference: Array, shift: Array) -> Array:
     """Return ln C1 and ln(C2 - C2_min) near given shifts, by the linear form of the law.
 
+    ``difference`` are T - T_ref of the isotherms, and ``shift`` their log10 a, (m,) each.
     With s = shift - s_0, s_0 that of the reference: s (C2 + d) + C1 d = 0 is linear in C1, C2 and
     their products with s_0.  The usual values serve where it gives no positive constants.
     """
@@ -150,7 +151,10 @@ def _first_wlf(difference: Array, shift: Array) -> Array:
 
 
 class _Residuals:
-    """Residuals of the series that follows shifted isotherms, for given relaxation times."""
+    """Residuals of the series that follows shifted isotherms, for given relaxation times.
+
+    These cover the frequencies of all isotherms shifted by ``first``, (m,), and a margin.
+    """
 
     def __init__(self, isotherms: Sequence[Isotherm], first: Array) -> None:
         self.frequency = [isotherm.frequency for isotherm in isotherms]
@@ -185,21 +189,24 @@ def _derivative(function: Callable[[Array], Array], p: Array, step: float) -> Ar
 def _least_squares(
     residuals: _Residuals, start: Array, law: Callable[[Array], Array]
 ) -> tuple[Array, Array]:
-    """Return the parameters of the least residuals, and their covariance.
+    """Return the parameters of the least residuals, (p,), and their covariance, (p, p).
 
-    ``law`` gives the shifts of the parameters.
+    ``law`` returns the shifts, (m,), of parameters, (p,); ``start`` is their initial guess.
     """
     from scipy.optimize import least_squares  # problems are read and written without SciPy
 
     def function(p: Array) -> Array:
+        """Return the residuals, (2 n,)."""
         return residuals(law(p))
 
     def jacobian(p: Array) -> Array:
+        """Return their derivatives by the parameters, (2 n, p), by the chain rule."""
         by_shift = _derivative(residuals, law(p), DIFFERENCE_STEP)
         return np.asarray(by_shift @ _derivative(law, p, 1e-4))
 
     found = least_squares(function, start, jacobian, xtol=1e-4, max_nfev=30)
     fit = residuals.fit(law(found.x))
+    # also fitted: the long-term modulus and those terms of the series that are not zero
     freedom = max(1, found.fun.size - int((fit.modulus > 0).sum()) - 1 - start.size)
     J = np.asarray(found.jac, dtype=float)
     inverse = np.linalg.pinv(J.T @ J)
@@ -219,6 +226,7 @@ def _pair_shift(colder: Isotherm, hotter: Isotherm) -> float:
     lowest, highest = float(x[0] - y[-1]), float(x[-1] - y[0])
     best, shift = np.inf, 0.0
     for d in np.arange(lowest, highest, SEARCH_STEP):
+        # points of each isotherm in the range of the other one
         inside = (y + d >= x[0]) & (y + d <= x[-1])
         others = (x >= y[0] + d) & (x <= y[-1] + d)
         if min(inside.sum(), others.sum()) < LEAST_OVERLAP:
@@ -239,7 +247,11 @@ def _pair_shift(colder: Isotherm, hotter: Isotherm) -> float:
 
 
 def log_shift_at(temperature: float, temperatures: Array, shift: Array) -> float:
-    """Return log10 a at a temperature between isotherms, interpolated by a monotone cubic."""
+    """Return log10 a at a temperature between isotherms, interpolated by a monotone cubic.
+
+    Two isotherms are connected by a straight line.  ``temperatures`` rise; ``shift`` is log10 a of
+    each, (m,).
+    """
     from scipy.interpolate import PchipInterpolator
 
     if temperatures.size == 2:

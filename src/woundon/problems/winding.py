@@ -99,7 +99,7 @@ WITH_WINDER = {"torque_split": (-10.0, 10.0)}  # a drum may drive more than the 
 LOADS = ("nip_load", "winding_force", "web_tension")
 # Fields of the nip that do not depend on the radius.
 NIP_FIELDS = frozenset({"web", "drum", "roll_friction", "drum_friction", *WRAP_TABLE["wrap"]})
-# Parts of a winding whose only effect is that of its nips; without a winder the drum is another.
+# Parts of a winding whose only effect is that of its solved nips.
 OF_NIP = ("web.material", *WRAP_TABLE["wrap"], "roll_body")
 # on two drums friction on the wraps is a part of the loads, and of full slip
 OF_NIP_ALONE = ("web.material", "roll_wrap", "roll_body")
@@ -844,23 +844,27 @@ class WindingProblem(FinishedRollProblem):
     @property
     def unused(self) -> tuple[str, ...]:
         """See :attr:`.Problem.unused`."""
-        solves_nips = self.solves_nips
-        hardens = solves_nips and self.roll_body == "direct"
-        return (
-            "web.material.shear_exponent",
+        solves_nips, has_winder = self.solves_nips, self.winder is not None
+        unused = [
+            "web.material.shear_exponent",  # the shear modulus of the web has no effect in a nip
             *self._unused_changes,
             *unused_in_tapers(self, SCHEDULES),
-            *(() if hardens else ("stack.shear_exponent",)),
-            *(() if self.torque_split is None else ("winding_force",)),
-            *(() if self.has_nip else ("winding_force", "torque_split")),
-            *(() if solves_nips else OF_NIP if self.winder is None else OF_NIP_ALONE),
-            *(("oscillation",) if self.thickness_profile is None else ()),
-            *(() if solves_nips or self.winder is not None else ("drum",)),
-            *(() if self.has_nip else ("drum_friction",)),
-            *(() if self._uses_speed else ("web_speed",)),
-            *self._unused_inertia,
-            *(() if self._speed_has_effect or self.width is not None else ("web_speed",)),
-        )
+        ]
+        if not (solves_nips and self.roll_body == "direct"):  # no other body hardens
+            unused.append("stack.shear_exponent")
+        if self.torque_split is not None:  # it gives the winding force
+            unused.append("winding_force")
+        if not self.has_nip:
+            unused += ["winding_force", "torque_split", "drum_friction"]
+        if not solves_nips:
+            unused += OF_NIP_ALONE if has_winder else OF_NIP
+        if not (solves_nips or has_winder):  # two drums carry the roll also without solved nips
+            unused.append("drum")
+        if self.thickness_profile is None:  # it is the profile that oscillates
+            unused.append("oscillation")
+        if not self._uses_speed:
+            unused.append("web_speed")
+        return (*unused, *self._unused_inertia)
 
     @property
     def _unused_inertia(self) -> tuple[str, ...]:

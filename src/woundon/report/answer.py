@@ -109,10 +109,11 @@ def _air(result: NipResult) -> list[str]:
     text = f"The entrained air reduces the friction between web and roll: {shares}"
     try:
         with unwarned():
-            dry: Any = kinds.solve(problem.without_air(), nodes=result.nodes)
+            without_air: Any = kinds.solve(problem.without_air(), nodes=result.nodes)
     except (InvalidProblem, NoSteadyState, NotConverged):
         return [f"{text}.", "The same nip without air was not solved."]
-    row, NIT_dry = output_row(result, "nip_induced_tension"), dry.nip_induced_tension
+    NIT_dry = without_air.nip_induced_tension
+    row = output_row(result, "nip_induced_tension")
     row_dry = output_row(result, "nip_induced_tension", NIT_dry)
     change = result.nip_induced_tension - NIT_dry
     word = "reduces" if change < 0 else "increases"

@@ -197,7 +197,7 @@ def _empty_figure(
     """Return an empty figure, and (axes, panel of each result, flag) for each panel.
 
     The flag is True for axes that share the x axis of those below them, which alone has numbers.
-    A ``registered`` figure is one of pyplot's.
+    A ``registered`` figure is one of pyplot's; with ``same_y`` all panels share the y axis.
     """
     columns: dict[str, list[Sequence[Panel]]] = {}
     for cases in panels:
@@ -210,6 +210,7 @@ def _empty_figure(
     figure = Picture.new((sum(widths) + legend, height), registered)
     placed: list[tuple[Axes, Sequence[Panel], bool]] = []
     for column, cells in zip(columns.values(), _cells(figure, heights, widths), strict=True):
+        # of each panel but the lowest: whether it has the x axis of the one below it
         shared = [below[0].x == above[0].x for above, below in pairwise(column)]
         first: Axes | None = None
         for row, cases in enumerate(column):

@@ -142,13 +142,25 @@ def _breakable(name: str) -> str:
     return re.sub(r"([._])", r"\1<wbr>", escape(name))
 
 
+def _number(text: str) -> str:
+    """Return a number with its unit as printed, or a list of them, which may be broken.
+
+    >>> _number("350 N/m"), _number("1, 2 um")
+    ('350 N/m', '<span class="list">1, 2&nbsp;µm</span>')
+    """
+    if ", " not in text:
+        return unit_html(text)
+    items = ", ".join(unit_html(item).replace(" ", "&nbsp;") for item in text.split(", "))
+    return f'<span class="list">{items}</span>'
+
+
 # of each kind of column: HTML of a text, and style
 CELLS: Mapping[str, tuple[Callable[[str], str], str]] = {
     "words": (label_html, LEFT),
     "phrase": (label_html, f"{LEFT};white-space:nowrap"),
     "name": (_breakable, LEFT),
     "symbol": (symbol_html, f"{LEFT};white-space:nowrap"),
-    "number": (unit_html, f"{RIGHT};white-space:pre"),
+    "number": (_number, f"{RIGHT};white-space:pre"),
     "unit": (unit_html, f"{LEFT};white-space:nowrap"),
 }
 

@@ -8,7 +8,7 @@ A4 pages.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from html import escape
 from importlib import resources
@@ -22,7 +22,7 @@ from ..errors import InvalidProblem
 from ..problems.description import Description
 from ..problems.materials import MATERIALS
 from ..problems.problem import Problem
-from ..quantities import Place, scalar_outputs, walk
+from ..quantities import Place, quantity_of, scalar_outputs, walk
 from ..results import Result
 from .figures import figure_bytes
 from .html import parts_html, table_html
@@ -151,7 +151,7 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
         values = [row.text if row else "-" for row in cases]
         first = next(row for row in cases if row)
         tone = "differs" if len(set(values)) > 1 else ""
-        rows.append(TableRow((path, first.meaning, first.symbol, *values), tone))
+        rows.append(TableRow((path, _meaning(first, path, fields), first.symbol, *values), tone))
     columns: tuple[Column, ...] = (
         Column("field", "name"),
         Column("meaning"),
@@ -160,7 +160,7 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     heads = names if len(names) > 1 else ["value"]
     columns = (*columns, *(Column(head, "number") for head in heads))
     table = table_html(Table("", columns, tuple(rows)))
-    yield f'<div class="columns">{table}</div>' if len(names) == 1 else table
+    yield f'<div class="columns inputs">{table}</div>' if len(names) == 1 else table
     if omitted:
         text = f"Not given, or zero and without effect: {', '.join(omitted)}."
         yield f'<p class="source">{escape(text)}</p>'
@@ -170,6 +170,16 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     for path, name in sources:
         source = f"{path}: the named material {name}; {MATERIALS[name].source}"
         yield f'<p class="source">{escape(source)}</p>'
+
+
+def _meaning(row: Row, path: str, fields: Sequence[Mapping[str, Place]]) -> str:
+    """Return the meaning of a field: that of its quantity, or else its description.
+
+    ``fields`` are those of each case by their path.
+    """
+    field = next(places[path] for places in fields if path in places).field
+    quantity = quantity_of(field)  # of a word in place of a number
+    return row.meaning or field.description or (quantity.meaning if quantity else "")
 
 
 def _is_omitted(problem: Problem, place: Place) -> bool:

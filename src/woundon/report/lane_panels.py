@@ -10,7 +10,7 @@ import numpy as np
 from ..quantities import Quantity
 from ..roll.lane_roll import LANE_QUANTITIES, POSITION
 from ..roll.result import RollResult
-from .panels import Axis, Curve, Limits, Map, Mark, Panel, PanelMaker, Scale
+from .panels import Axis, Curve, Limits, Map, Mark, Panel, PanelMaker, Scale, round_at_most
 from .report_parts import quantity_of
 
 __all__ = ["lane_panels"]
@@ -21,7 +21,6 @@ RADII = 200  # of a map
 # tester that strikes the surface feels the layers below it.
 STRUCK = 0.1
 DRAWN = 0.15  # height of the largest ridge in the drawing of the roll, of its radius
-ENLARGEMENTS = (1, 2, 5)  # times a power of ten
 MARGIN = 0.06  # below and above curves, of their range
 EVEN = (1e-3, 1e-6)  # ends of the axes of thickness [1] and ridges [m] that are zero everywhere
 GAP = 0.06  # of the width, between the end of the roll and the bar of the scale
@@ -68,7 +67,7 @@ def lane_panels(result: Any) -> dict[str, PanelMaker]:
 
 
 def _to_edges(lanes: Any) -> Array:
-    """Return the positions of the middles of the lanes, between those of the edges."""
+    """Return the positions of the L lanes between those of the edges of the web, (L + 2,) [m]."""
     y = lanes.position.values
     half = (y[1] - y[0]) / 2
     return np.concatenate([[y[0] - half], y, [y[-1] + half]])
@@ -116,7 +115,11 @@ def thickness_across(result: Any) -> Panel:
 
 
 def _with_one_zero(*curves: Array) -> list[Limits]:
-    """Return the ends of the axes of thickness and ridges, with their zeros at one height."""
+    """Return the ends of the axes of thickness and ridges, with their zeros at one height.
+
+    The largest deviation of each curve has the same length on its axis; of a curve that is zero
+    everywhere, the axis has the length in EVEN.
+    """
     sizes = [float(np.max(np.abs(curve))) or even for curve, even in zip(curves, EVEN, strict=True)]
     parts = np.concatenate([curve / size for curve, size in zip(curves, sizes, strict=True)])
     margin = MARGIN * (float(np.ptp(parts)) or 1.0)
@@ -137,12 +140,17 @@ def lane_tension(result: Any) -> Panel:
 
 
 def _map(result: Any, name: str, title: str, output: str, label: str) -> Panel:
-    """Return the map of a variable of the lanes over position and radius."""
+    """Return the map of a variable of the lanes over position and radius.
+
+    ``name`` and ``title`` are those of the panel, ``output`` is the variable, ``label`` that of the
+    scale of its colours.
+    """
     lanes, quantity = result.lanes, LANE_QUANTITIES[output]
     r = np.linspace(float(lanes.radius.values[0]), float(lanes.radius.values[-1]), RADII)
+    # at even radii, (RADII, lanes)
     values = np.array([np.interp(r, lanes.radius.values, row) for row in lanes[output].values.T]).T
     limits = (float(values.min()) if output != "pressure" else 0.0, float(values.max()))
-    if limits[1] <= limits[0] * (1 + 1e-9):  # lanes of equal thickness
+    if limits[1] <= limits[0] * (1 + 1e-9):  # all values equal, as of lanes of equal thickness
         limits = (0.0, limits[1])
     radius = Axis("Radius $r$", quantity_of(RollResult, "radius"), limits=(r[0], r[-1]))
     return _panel(
@@ -163,7 +171,8 @@ def roll_surface(result: Any) -> Panel:
     lanes = result.lanes
     R = float(lanes.radius.values[-1])
     core, ridge = float(lanes.radius.values[0]), lanes.ridge_height.values[-1]
-    factor = _enlargement(DRAWN * R / max(float(np.max(np.abs(ridge))), 1e-12))
+    # ridges are enlarged, but never reduced
+    factor = round_at_most(max(DRAWN * R / max(float(np.max(np.abs(ridge))), 1e-12), 1.0))
     surface = R + factor * ridge
     ends, outline = _to_edges(lanes), np.pad(surface, 1, mode="edge")
     left, right = float(ends[0]), float(ends[-1])
@@ -198,12 +207,6 @@ def roll_surface(result: Any) -> Panel:
         column="lanes",
         height=3.4,
     )
-
-
-def _enlargement(largest: float) -> float:
-    """Return the largest 1, 2 or 5 times a power of ten that is not above a factor."""
-    power = 10.0 ** np.floor(np.log10(max(largest, 1.0)))
-    return float(max(step for step in ENLARGEMENTS if step * power <= max(largest, 1.0)) * power)
 
 
 def hardness_across(result: Any) -> Panel:

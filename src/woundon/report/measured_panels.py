@@ -133,7 +133,10 @@ def stack_panels(fit: StackFit) -> list[Panel]:
 
 
 def _ends(values: Array, used: Array) -> Limits:
-    """Return the ends of an axis on which all rows that are used are seen, and others near them."""
+    """Return the ends of an axis on which all rows that are used are seen, and others near them.
+
+    ``values`` are those of all rows, ``used`` is the mask of those that are used, (n,).
+    """
     kept = values[used & np.isfinite(values)]
     room = BEYOND * (kept.max() - kept.min())
     near = values[(values >= kept.min() - room) & (values <= kept.max() + room)]
@@ -143,7 +146,7 @@ def _ends(values: Array, used: Array) -> Limits:
 
 
 def _thinned(x: Array, y: Array, chosen: Array) -> tuple[Array, Array]:
-    """Return the chosen points, at most ``MOST_POINTS`` of them."""
+    """Return the chosen points, at most ``MOST_POINTS`` of them; all arrays are (n,)."""
     rows = np.flatnonzero(chosen)
     rows = rows[:: 1 + rows.size // MOST_POINTS]
     return x[rows], y[rows]

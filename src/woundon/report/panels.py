@@ -38,6 +38,7 @@ __all__ = [
     "Regions",
     "Scale",
     "Strip",
+    "round_at_most",
     "widest",
 ]
 
@@ -355,6 +356,16 @@ class PanelMaker:
 
 
 PanelMakers = Mapping[str, PanelMaker]
+
+
+def round_at_most(limit: float) -> float:
+    """Return the largest 1, 2 or 5 times a power of ten that is not above a limit > 0.
+
+    >>> round_at_most(4.9), round_at_most(0.05)
+    (2.0, 0.05)
+    """
+    power = float(10.0 ** np.floor(np.log10(limit)))
+    return max(n * power for n in (1, 2, 5) if n * power <= limit)
 
 
 def widest(limits: list[Limits]) -> Limits:

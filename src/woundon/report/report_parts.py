@@ -7,7 +7,7 @@ The report function of a kind returns these parts in their order; they do not de
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import floor, isfinite, log10, nan
 from typing import Any, ClassVar, NamedTuple
@@ -58,6 +58,7 @@ __all__ = [
 
 Array = np.ndarray
 DIGITS = 5  # significant ones of a value
+MOST_LISTED = 8  # values of a field that are listed; more are given by their number and range
 _GREEK_NAMES = "alpha beta gamma delta Delta eps kappa mu nu omega rho sigma tau theta xi"
 GREEK = frozenset(_GREEK_NAMES.split())
 # factor, letter, number, index and sign of "2a", "mu+", "s_l+", "K1"
@@ -275,9 +276,18 @@ def value_row(quantity: Quantity | None, value: Any) -> Row:
     if isinstance(value, int | float):
         return row_of(quantity, value)
     if isinstance(value, tuple):
-        text = ", ".join(f"{quantity.shown(item):.{DIGITS}g}" for item in value)
+        text = _list_text([quantity.shown(item) for item in value])
     unit = quantity.display if isinstance(value, tuple) else ""
     return Row(quantity.meaning, quantity.symbol, text, unit)
+
+
+def _list_text(values: Sequence[float]) -> str:
+    """Return numbers as text; of many of them their number, and the smallest and largest one."""
+    if len(values) <= MOST_LISTED:
+        return ", ".join(f"{value:.{DIGITS}g}" for value in values)
+    low, high = min(values), max(values)
+    ends = f"{low:.{DIGITS}g}" if low == high else f"{low:.{DIGITS}g} to {high:.{DIGITS}g}"
+    return f"{len(values)} values, {ends}"
 
 
 def rows_of_given(problem: Description, *names: str) -> list[Row]:
@@ -397,6 +407,7 @@ def friction_bounds(result: Result) -> dict[str, Array]:
         return {"traction": problem.friction * result.pressure}
     if not isinstance(result, NipResult):
         return {}
+    # the equations of a nip with air: those without, with the friction that the film leaves
     problem = result.without_air
     mu = np.full(result.x.shape, problem.roll_friction)
     mu[result.in_nip.stop :] = problem.friction_on_wrap  # nodes downstream of the nip

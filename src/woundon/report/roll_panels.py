@@ -75,7 +75,7 @@ def roll_panels(result: RollResult) -> dict[str, PanelMaker]:
 
 
 def radius_axis(radius: Array) -> Axis:
-    """Return the axis of the radius from core to surface."""
+    """Return the axis from the first to the last of the radii [m], those of core and surface."""
     return Axis(
         "Radius $r$",
         quantity_of(RollResult, "radius"),
@@ -155,7 +155,10 @@ def _has_changed(roll: RollResult) -> bool:
 def _before_and_after(
     roll: RollResult, name: str, r: Array, as_wound: Array, finished: Curve
 ) -> list[Curve]:
-    """Return the curves of the finished roll, and of the roll as wound, before the changes."""
+    """Return the curves of the finished roll, and of the roll as wound, before the changes.
+
+    ``r`` and ``as_wound`` are radii [m] and values, (n,); ``finished`` is the other curve.
+    """
     label = "as wound, running" if roll.problem.centrifugal_stress else "as wound"
     before = Curve(f"{name}_as_wound", r, as_wound, label=label, colour="drum", line="dashed")
     return [replace(finished, label="finished roll"), before]

@@ -21,6 +21,7 @@ from .outputs_report import rows_of
 from .report_parts import (
     Line,
     Part,
+    Row,
     Section,
     field_row,
     output_row,
@@ -140,17 +141,33 @@ def _compression_note(result: RollResult) -> str:
 
 
 def changes_sections(problem: FinishedRollProblem) -> Iterator[Section]:
-    """Yield the section of the changes of the finished roll that are not zero."""
+    """Yield the section of the changes of the finished roll that are not zero.
+
+    A change of temperature or moisture is followed by its coefficients that are not zero, with the
+    grade from which they come.
+    """
     ends = np.array([problem.core.radius, problem.radius])
-    changes = [
-        row
-        for name, strain_by in zip(FREE_STRAINS, problem.free_strains, strict=True)
-        if getattr(problem, name)
-        for row in schedule_rows(problem, name, strain_by.change.at(ends))
-    ]
+    changes: list[Row] = []
+    for name, strain_by in zip(FREE_STRAINS, problem.free_strains, strict=True):
+        if not getattr(problem, name):
+            continue
+        changes += schedule_rows(problem, name, strain_by.change.at(ends))
+        changes += [
+            field_row(problem, coefficient, note=_grade_note(problem, coefficient))
+            for coefficient in problem.coefficients_of(name)
+            if getattr(problem, coefficient)
+        ]
     changes += rows_of_given(problem, "core_shrinkage")
     if changes:
         yield Section("Changes of the finished roll", tuple(changes))
+
+
+def _grade_note(problem: FinishedRollProblem, name: str) -> str:
+    """Return a note behind the value of a field that its grade states; '' for others."""
+    grade = problem.named_grade
+    if grade is None or getattr(grade, name, None) != getattr(problem, name):
+        return ""
+    return f", of the grade {grade.name!r}"
 
 
 def off_core_sections(result: RollResult | WindingResult, roll: RollResult) -> Iterator[Section]:

@@ -24,6 +24,7 @@ from ..problems.rollers import RollerProblem
 from ..quantities import Quantity
 from ..results import Result, zone_runs
 from .figures import Picture, style, text_of, zone_look
+from .panels import round_at_most
 from .report_parts import quantity_of, quantity_of_field, zone_strips
 
 __all__ = ["scale_drawing"]
@@ -102,7 +103,7 @@ def _core_radius(body: Body) -> float:
 def _web_path(roll: float, drum: float, problem: NipProblem) -> tuple[Array, Array]:
     """Return x and y of the web's path: straight onto the drum, through the nip, around the roll.
 
-    ``roll`` and ``drum`` are radii [m]; the nip is at the origin.
+    Two (n,) arrays [m]; ``roll`` and ``drum`` are radii [m], and the nip is at the origin.
     """
     on_drum = np.linspace(problem.drum_wrap, 0.0, ARC)
     on_roll = np.linspace(0.0, problem.roll_wrap, ARC)
@@ -154,13 +155,13 @@ def _draw_nip(axes: Axes, result: Contact) -> None:
 def _surfaces(
     x: Array, a: float, problem: NipProblem | RollerProblem, web: float
 ) -> tuple[Array, Array]:
-    """Return the heights of the upper and the lower surface at the positions x [m].
+    """Return the heights of the upper and the lower surface at the positions x, (n,) each [m].
 
     ``a`` is the half width of the nip, ``web`` the thickness with which the web is drawn [m].
     """
     upper, lower = problem.bodies
     curvatures = [1 / body.radius for body in (upper, lower)]
-    # share of the upper body's roundness in the contact
+    # 1 where the rigid upper body keeps its roundness, 0 where it is flattened to the lower one
     share = 0.5 if upper.rigid == lower.rigid else float(upper.rigid)
     contact = (share * curvatures[0] - (1 - share) * curvatures[1]) * x**2 / 2
     t = np.maximum(np.abs(x) / a, 1.0)  # Hertz's gap outside the contact; zero inside, where t = 1
@@ -213,9 +214,7 @@ def _draw_dimensions(axes: Axes, width: Quantity, a: float, reach: float, height
     centred: Any = {"ha": "center", "fontsize": 7, "textcoords": "offset points"}
     text = f"$2a$ = {text_of(width, 2 * a)}"
     axes.annotate(text, (0, level), (0, 2), va="bottom", **centred)
-    longest = 0.4 * width.shown(reach)  # the bar is 1, 2 or 5 times a power of ten, at most this
-    power = 10.0 ** np.floor(np.log10(longest))
-    length = max(n * power for n in (1, 2, 5) if n * power <= longest) / width.shown(1.0)
+    length = round_at_most(0.4 * width.shown(reach)) / width.shown(1.0)
     end, level = 0.95 * reach, -0.72 * height
     axes.plot([end - length, end], [level, level], "|-", color=LINE, linewidth=0.8)
     at = (end - length / 2, level)

@@ -45,7 +45,8 @@ def is_logarithmic(values: Array) -> bool:
     if values.size < 3 or values.min() <= 0 or values.max() / values.min() < 10:
         return False
     # evenly spaced values have their median in the middle; by factors, it lies well below
-    return bool(np.median(values) < 0.5 * (values.min() + values.max()) * 0.7)
+    middle = 0.5 * (values.min() + values.max())
+    return bool(np.median(values) < middle * 0.7)
 
 
 def in_words(name: str, quantity: Quantity | None) -> str:
@@ -212,7 +213,7 @@ def _with_error_bars(
 ) -> Curve:
     """Return points with error bars, two standard uncertainties long, where some are known.
 
-    Lengths that are all zero are not known: such points have no bars.
+    Lengths that are all zero are not known: such points have no bars.  All arrays are (n,).
     """
     known = y_error.any() or (x_error is not None and x_error.any())
     points = Curve(name, x, y, line="none", marker="circle")

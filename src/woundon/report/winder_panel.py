@@ -88,7 +88,7 @@ def _circle(
     line: str = "solid",
     in_legend: bool = True,
 ) -> Curve:
-    """Return a circle with its centre and radius [m]; the other arguments are of the curve."""
+    """Return a circle with its centre and radius [m]; other arguments as of :class:`.Curve`."""
     angle = np.linspace(0, 2 * np.pi, POINTS)
     x, y = centre[0] + radius * np.cos(angle), centre[1] + radius * np.sin(angle)
     return Curve(name, x, y, label=label, colour=colour, line=line, in_legend=in_legend)
@@ -108,6 +108,7 @@ def _centre(problem: WindingProblem, radius: float) -> tuple[float, float]:
 def _web_path(problem: WindingProblem, centre: tuple[float, float]) -> tuple[Array, Array]:
     """Return x and y of the web: straight, on the rear drum, and on the roll up to its top [m].
 
+    Two (n,) arrays, in the direction of travel.
     The rear drum turns clockwise about the origin, the finished roll counterclockwise about its
     ``centre``.
     """

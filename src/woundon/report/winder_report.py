@@ -72,7 +72,7 @@ def winder_parts(result: WindingResult) -> list[Part]:
 
 
 def _radii(result: WindingResult) -> Array:
-    """Return the radii of the table: some of those of the solved nips, else even ones [m]."""
+    """Return the radii of the table, (k,): some of those of the solved nips, else even ones [m]."""
     even = np.linspace(*result.problem.ends, RADII)
     nips = result.nip_radius
     if not nips.size:

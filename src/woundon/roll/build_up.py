@@ -44,7 +44,7 @@ __all__ = [
     "BuildUp",
     "Layers",
     "NotWoundError",
-    "no_stage_beyond",
+    "no_stage_of_roll",
     "step_factor",
     "wind",
     "wind_finite_layers",
@@ -128,7 +128,7 @@ def wind(
                 roll.growth.start_new_polynomial()
                 step, last_kink = min(step, surface_layer), -np.inf
             if step < SMALLEST_STEP:
-                raise NotWoundError(no_stage_beyond(x))
+                raise NotWoundError(no_stage_of_roll(x))
             if stage is None or step > KINK_STEP * surface_layer:
                 continue
             roll.growth.start_new_polynomial()  # an unknown kink, or the discretisation error
@@ -458,7 +458,7 @@ class NotWoundError(ArithmeticError):
     """A stage has no solution, or the steps became too small."""
 
 
-def no_stage_beyond(x: float) -> str:
+def no_stage_of_roll(x: float) -> str:
     """Return the message for a stage that cannot be solved."""
     return (
         f"no stage beyond the radius {exp(x):.6g} m can be solved: the stack at low pressure, or "

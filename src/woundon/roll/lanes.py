@@ -50,7 +50,7 @@ from .build_up import (
     STEP_STRETCH,
     BuildUp,
     NotWoundError,
-    no_stage_beyond,
+    no_stage_of_roll,
     step_factor,
 )
 from .equations import (
@@ -235,7 +235,7 @@ def wind_lanes(
             if stage is None or error > tolerance:
                 step = length * max(0.2, step_factor(tolerance / error) if stage else 0.2)
                 if step < SMALLEST_STEP:
-                    raise NotWoundError(_no_stage_beyond(roll.x))
+                    raise NotWoundError(_no_stage_of_lanes(roll.x))
                 if stage is None or step > KINK_STEP * surface_layer:
                     continue
                 # a lane that becomes slack or taut, or the discretisation error of the nodes
@@ -247,7 +247,7 @@ def wind_lanes(
             roll.last = stage
             step = length * min(LONGEST_GROWTH, step_factor(tolerance / max(error, 1e-99)))
             if roll.last.curves.x.size > MAX_STAGES:
-                raise NotWoundError(_no_stage_beyond(roll.x))
+                raise NotWoundError(_no_stage_of_lanes(roll.x))
         step = max(step, remaining)
         if number in kinks:
             roll.last.curves.start_new_polynomial()
@@ -293,7 +293,7 @@ class _Lanes:
         start, zero = float(reference.growth.x[0]), np.zeros(lanes.share.size)
         on_core = tension_at(start, zero, zero, zero + 1)
         if on_core is None:
-            raise NotWoundError(_no_stage_beyond(start))
+            raise NotWoundError(_no_stage_of_lanes(start))
         values = np.concatenate([zero, on_core.wound_on, zero, on_core.web, *on_core.load])
         self.T_c = float(tension.at(np.array([exp(start)]))[0])
         self.core_tension = self.T_c * on_core.wound_on
@@ -352,7 +352,7 @@ class _Lanes:
             guess = stretched(last.x, last.reference_P, last.reference_Q, nodes)
         solved = self.equations.solve(StageData(nodes, source, self.T_c), *guess)
         if solved is None:
-            raise NotWoundError(no_stage_beyond(surface))
+            raise NotWoundError(no_stage_of_roll(surface))
         return nodes, solved.P, solved.Q
 
     def _pressure_guess(self, nodes: Array, P: Array, Q: Array) -> tuple[Array, Array]:
@@ -566,7 +566,7 @@ def stage_data(X: Array, source: CellSource, tension: Array) -> StageData:
     return StageData(X.ravel(), CellSource(*map(_joined, source)), tension, gaps=gaps)
 
 
-def _no_stage_beyond(x: float) -> str:
+def _no_stage_of_lanes(x: float) -> str:
     """Return the message for a stage of lanes, beyond ln r = x, that cannot be solved."""
     return (
         f"no stage beyond the radius {exp(x):.6g} m can be solved, though the roll of the mean web "

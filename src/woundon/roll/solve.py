@@ -401,8 +401,13 @@ def _largest_errors(result: RollResult, pressure: Array, hoop: Array) -> dict[st
     near_core, near_middle = (
         abs(r - centre) <= NEIGHBOURHOOD * (R - core) for centre in (core, (core + R) / 2)
     )
-    errors = pressure, pressure[near_core], pressure[near_middle], hoop, hoop[near_core]
-    return {name: float(np.max(values)) for name, values in zip(ESTIMATED, errors, strict=True)}
+    values = pressure, pressure[near_core], pressure[near_middle], hoop, hoop[near_core]
+    errors = {name: float(np.max(part)) for name, part in zip(ESTIMATED, values, strict=True)}
+    # without contact the pressure is exactly 0, unless the gap may be an error of the bore
+    bore_error = core * errors["bore_hoop_stress"] / result.problem.stack.tangential
+    if result.is_off_core and not result.core_gap <= bore_error:  # nan if the core is removed
+        errors["core_pressure"] = 0.0
+    return errors
 
 
 def _check_stack_law(result: RollResult, build_up: BuildUp) -> RollResult:

@@ -364,7 +364,10 @@ def _read_inputs(
 def _words_and_bodies(
     sheet: Sheet, column: Column, problem: Problem, faults: list[Fault], gaps: bool
 ) -> list[Any]:
-    """Return the cells of a column that is not numeric: words, names of materials, bodies."""
+    """Return the cells of a column that is not numeric: words, names of materials, bodies.
+
+    With ``gaps`` cells may be empty, None.  Errors are added to ``faults``.
+    """
     values: list[Any] = []
     for number, cell in zip(sheet.numbers, column.cells, strict=True):
         value = None
@@ -473,7 +476,7 @@ def _copied_columns(
     sign = decimal_sign(sheet)
     copied: dict[str, Any] = {}
     for header, cells in sheet.columns.items():
-        text = f"{header} [{sheet.units[header]}]" if header in sheet.units else header
+        text = f"{header} [{sheet.units[header]}]" if sheet.units.get(header) else header
         if header in matched and pattern(matched[header].name) not in fields:
             if written:
                 continue

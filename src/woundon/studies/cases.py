@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -43,6 +44,8 @@ __all__ = [
 Array = np.ndarray
 DESIGNS = ("grid", "table", "latin-hypercube", "sobol")
 MOST_CASES = 100_000_000
+# A list of more than eight values in the text of a description: the first and the last one.
+_LONG_LIST = re.compile(r"\(([^(),]+)(?:, [^(),]+){7,}, ([^(),]+)\)")
 
 
 class Chunk(NamedTuple):
@@ -157,10 +160,25 @@ def is_numeric(values: Array) -> bool:
 
 
 def as_labels(values: Array) -> Array:
-    """Return the values of an input for tables and axes: numbers, or texts of other values."""
+    """Return the values of an input, (n,), for tables and axes: numbers, or texts of others.
+
+    Of a long list in a text, such as the positions of a profile, the ends are stated; texts that
+    are equal without the values between them are numbered.
+    """
     if is_numeric(values):
         return values
-    return np.array([v if isinstance(v, str) else repr(v) for v in values], dtype=object)
+    complete = [v if isinstance(v, str) else repr(v) for v in values]
+    short = [_LONG_LIST.sub(r"(\1, ..., \2)", text) for text in complete]
+    meant: dict[str, list[str]] = {}  # complete texts by the short one
+    for text, whole in zip(short, complete, strict=True):
+        known = meant.setdefault(text, [])
+        if whole not in known:
+            known.append(whole)
+    labels = [
+        text if len(meant[text]) == 1 else f"{text} #{meant[text].index(whole) + 1}"
+        for text, whole in zip(short, complete, strict=True)
+    ]
+    return np.array(labels, dtype=object)
 
 
 def _plain(value: Any) -> Any:

@@ -224,7 +224,7 @@ def explain(comparison: Comparison, inputs: InputEffects) -> tuple[Explanation, 
 
 
 def _bias(comparison: Comparison, output: str, rows: Array, inputs: InputEffects) -> Explanation:
-    """Return the explanation of a mean difference."""
+    """Return the explanation of a mean difference; ``rows`` (n,) are the values of the output."""
     agreement, residual = comparison.agreement(output), comparison.residual[rows]
     n = rows.size
     word = "larger" if agreement.bias > 0 else "smaller"
@@ -247,7 +247,10 @@ def _bias(comparison: Comparison, output: str, rows: Array, inputs: InputEffects
 def _trends(
     comparison: Comparison, output: str, rows: Array, inputs: InputEffects
 ) -> Iterator[Explanation]:
-    """Yield the explanations of trends with the varied inputs, and with the radius."""
+    """Yield the explanations of trends with the varied inputs, and with the radius.
+
+    ``rows`` (n,) are the numbers of the values of the output.
+    """
     from scipy.stats import linregress
 
     varied = {name: values[rows] for name, values in comparison.inputs.items()}
@@ -290,7 +293,7 @@ def _budget(comparison: Comparison, output: str, rows: Array) -> Iterator[Explan
     """Yield a finding on the error budget, if a part of it is unknown or mainly discretisation.
 
     The standard deviations of the measurement are unknown, or discretisation errors cause more than
-    half of the squared budget.
+    half of the squared budget.  ``rows`` (n,) are the numbers of the values of the output.
     """
     if np.isnan(comparison.deviation[rows]).any():
         readings = "no standard deviations of the measurement"
@@ -308,7 +311,10 @@ def _budget(comparison: Comparison, output: str, rows: Array) -> Iterator[Explan
 
 
 def _common_sources(comparison: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
-    """Yield the finding that only the uncertain inputs cover the mean difference."""
+    """Yield the finding that only the uncertain inputs cover the mean difference.
+
+    ``rows`` (n,) are the numbers of the values of the output.
+    """
     if not comparison.sources:
         return
     agreement, common = comparison.agreement(output), comparison.effects[rows].mean(axis=0)
@@ -326,7 +332,8 @@ def _common_sources(comparison: Comparison, output: str, rows: Array) -> Iterato
 def _outliers(comparison: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
     """Yield single values far outside the error budget while the others are inside.
 
-    At most a fifth of the values are far outside, and four fifths of the others inside.
+    At most a fifth of the values are far outside, and four fifths of the others inside.  ``rows``
+    (n,) are the numbers of the values of the output.
     """
     ratio = np.abs(comparison.ratio[rows])  # nan, which is neither, without standard deviations
     far = ratio > OUTLYING

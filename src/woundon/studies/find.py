@@ -27,7 +27,7 @@ from ..quantities import Quantity, in_chosen_units
 from ..results import Result
 from .api import range_in_si
 from .measurements import Observable
-from .model import model_of, quantities_of, solver_options
+from .model import check_effect, model_of, quantities_of, solver_options
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
 from .root_search import DECADE, Interval, RootSearch, Sample
@@ -283,6 +283,7 @@ def find(
         raise InvalidProblem.at(output, f"the target {quote(aim)} is not a finite number")
     count = whole_number("points", points, 3, 1000)
     interval = _interval(problem, name, base, quantities[name], between)
+    check_effect(problem, name, interval.high)
     with progress_reporter(progress, "finding") as report:
         search = RootSearch(
             model, name, output, aim, interval, lambda done: report(done, max(done, count))
@@ -379,11 +380,11 @@ def _usual_range(
     typical : (low, high) or None
     """
     ends = list(typical or ())
-    if base is not None and base > 0 and permitted[0] >= 0:
+    if base is not None and base > 0 and permitted[0] >= 0:  # a decade on both sides
         ends += [base / DECADE, base * DECADE]
-    elif base and not typical:  # of either sign
+    elif base and not typical:  # of either sign, whose magnitude is the only scale that is known
         ends += [base - DECADE * abs(base), base + DECADE * abs(base)]
-    elif base:
+    elif base:  # of either sign: the typical range may have to be extended to it
         ends += [0.0, 2 * base]
     elif not typical:
         ends += permitted

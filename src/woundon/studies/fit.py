@@ -288,7 +288,7 @@ def fit_parameters(
 def _minima(
     predictor: Predictor, starts: int | None, seed: int, tasks: _Tasks
 ) -> tuple[list[Linearisation], int]:
-    """Return the minima of the starts in ascending order, and the number of starts."""
+    """Return the minima of the starts, the least one first, and the number of starts."""
     minima: list[Linearisation] = []
     count = 0
     for start in _starting_points(predictor.parameters, starts or MOST_STARTS, seed):
@@ -443,7 +443,11 @@ def _is_least(S: float, smallest: float, predictor: Predictor) -> bool:
 
 
 def _covariance(predictor: Predictor, J: Array, S: float) -> Array:
-    """Return the covariance of the coordinates u, s^2 (J^T J)^-1; not finite if J is singular."""
+    """Return the covariance of the coordinates u, s^2 (J^T J)^-1, (p, p).
+
+    It is not finite if J, (m, p), is singular.  s^2 is the variance of the residuals, whose squared
+    sum is S; 1 if their standard deviations are known.
+    """
     m, p = J.shape
     s2 = 1.0 if predictor.weighted else S / (m - p) if m > p else np.nan
     _, values, V = np.linalg.svd(J, full_matrices=False)
@@ -496,7 +500,7 @@ def _result(
 
 
 def _at_bound(parameters: Sequence[Parameter], u: Array) -> list[str]:
-    """Return the names of the parameters whose estimates are at a bound."""
+    """Return the names of the parameters whose estimates u, (p,), are at a bound."""
     names = []
     for parameter, value in zip(parameters, u, strict=True):
         low, high = parameter.ends

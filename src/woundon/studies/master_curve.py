@@ -316,7 +316,8 @@ def master_curve(
 def _errors(covariance: Array, temperatures: Array, reference: float) -> Array:
     """Return the standard errors of shifts relative to that at the reference temperature, (m,).
 
-    That shift is interpolated linearly between the neighbouring isotherms.
+    That shift is interpolated linearly between the neighbouring isotherms.  ``covariance``, (m, m),
+    is that of the shifts at ``temperatures``, (m,).
     """
     identity = np.eye(temperatures.size)
     weights = [np.interp(reference, temperatures, row) for row in identity]
@@ -458,13 +459,14 @@ def _read(sheet: Sheet, columns: Mapping[str, str | None]) -> _Rows:
         if name in values and not (values[name] > 0).all():
             row = sheet.numbers[int((~(values[name] > 0)).argmax())]
             raise InvalidProblem.at(sheet.where, f"row {row}: {name} must be > 0")
-    storage = values["storage_modulus"]
-    loss = values.get("loss_modulus", values.get("tan_delta", storage) * storage)
+    storage, loss = values["storage_modulus"], values.get("loss_modulus")
+    if loss is None:
+        loss = values["tan_delta"] * storage
     return _Rows(values.get("temperature"), values["frequency"], storage, loss, sheet.where, scales)
 
 
 def _isotherm(temperature: float, rows: _Rows, index: Array) -> Isotherm:
-    """Return the isotherm of some rows of a table.
+    """Return the isotherm of the rows ``index``, (k,) int, of a table.
 
     Raises
     ------

@@ -102,10 +102,11 @@ class ReusedJacobian:
         self.predictor, self.last, self.fixed = predictor, last, fixed
 
     def __call__(self, u: Array, tolerance: float | None = None) -> Linearisation:
-        """Return the residuals at u, with the last Jacobian if it is accurate enough.
+        """Return the residuals at u (p,), with the last Jacobian if it is accurate enough.
 
         ``tolerance`` is the error of its linear model at u that is admitted, in standard deviations
-        of the residuals; 0 computes the Jacobian at u.
+        of the residuals; 0 computes the Jacobian at u.  By default it is that on the way to a
+        minimum, or with a fixed parameter that next to one, where the profiles start.
         """
         r = self.predictor.residuals(u)
         if tolerance is None:
@@ -146,8 +147,8 @@ def minimise(
         A minimum, which is returned as soon as its linear model predicts the residuals, or S is
         within a standard error of it and the linear model predicts no smaller one.
     linearised : ReusedJacobian, optional
-        With a fixed parameter; by default all are free, and the Jacobian is computed at the
-        minimum.
+        With a fixed parameter, and a Jacobian that need not be that at the minimum; by default all
+        parameters are free, and the Jacobian is computed at the minimum.
     accuracy : float
         In standard errors.
 
@@ -156,7 +157,7 @@ def minimise(
     Linearisation or None
         None if the start, or a derivative on the way, cannot be solved.
     """
-    # tolerance of the Jacobian at the minimum
+    # tolerance of the Jacobian at the minimum: that of ``linearised``, or 0: computed there
     at_end = None if linearised else 0.0
     linearised = linearised or ReusedJacobian(predictor)
     start = np.clip(start, predictor.low, predictor.high)
@@ -166,7 +167,8 @@ def minimise(
 class _Minimisation:
     """Residuals and Jacobian of the free parameters v, which end the iteration at the minimum.
 
-    Parameters as of :func:`minimise`; ``at_end`` is the tolerance of the Jacobian at the minimum.
+    Parameters as of :func:`minimise`; ``at_end`` is the tolerance of the Jacobian at the minimum,
+    of :meth:`ReusedJacobian.__call__`.  Arrays v have the f free of the p parameters.
     """
 
     def __init__(
@@ -212,7 +214,10 @@ class _Minimisation:
             return None
 
     def residuals(self, v: Array) -> Array:
-        """Return the residuals; stop in the basin of a known minimum, and where S is rough."""
+        """Return the residuals at v (f,), (m,).
+
+        Stop in the basin of a known minimum, and where S is rough.
+        """
         u, known, last = self._all_parameters(v), self.known, self.last
         r = self.predictor.residuals(u)
         if known is not None and known.predicts(u, r):
@@ -224,8 +229,9 @@ class _Minimisation:
         return r
 
     def jacobian(self, v: Array) -> Array:
-        """Return the columns of the free parameters; stop at the minimum."""
+        """Return the columns of the free parameters at v (f,), (m, f); stop at the minimum."""
         self.last = self.linearised(self._all_parameters(v))
+        # converged with a reused Jacobian: also with the one of the minimum?
         if self._is_converged(self.last) and self.at_end is not None:
             self.last = self._at_minimum(self.last.u)
         if self._is_converged(self.last):
@@ -235,7 +241,7 @@ class _Minimisation:
         return self.last.J[:, self.free]
 
     def _all_parameters(self, v: Array) -> Array:
-        """Return all parameters for values of the free ones."""
+        """Return all parameters, (p,), for values v (f,) of the free ones."""
         u = self.start.copy()
         u[self.free] = v
         return u

@@ -29,6 +29,7 @@ __all__ = [
     "Answer",
     "KindModel",
     "Model",
+    "check_effect",
     "kind_of",
     "model_of",
     "options_of",
@@ -49,7 +50,7 @@ class Answer(NamedTuple):
     values : tuple of float
         The outputs, in the order of ``Model.outputs``, in SI units.
     warnings : str
-        Warnings about the validity of the model; empty if there are none.
+        Warnings about inputs and about the validity of the model; empty if there are none.
     state : object
         Warm start for a neighbouring case.
     """
@@ -219,9 +220,11 @@ class KindModel:
     def run(self, inputs: Mapping[str, Any], start: Result | None) -> Answer:
         """Solve one case."""
         with unwarned():  # warnings are a column of the table
-            result = self.solve(self.variant(inputs), start)
+            problem = self.variant(inputs)
+            result = self.solve(problem, start)
             values = tuple(float(_value(result, name)) for name in self.outputs)
-        return Answer(values, "; ".join(result.warnings), result)
+        warnings = (*getattr(problem, "input_warnings", ()), *result.warnings)
+        return Answer(values, "; ".join(warnings), result)
 
     # ---- quantities and record ------------------------------------------------------------------
 
@@ -323,6 +326,43 @@ def options_of(problem: Problem) -> dict[str, Any]:
     excluded = {"start", "progress", *type(problem).model_fields}
     keywords = _keywords(kind_of(problem).solver)
     return {name: default for name, default in keywords.items() if name not in excluded}
+
+
+def check_effect(problem: Problem, name: str, value: float) -> None:
+    """Reject a field on which nothing depends in this case, with the reason if it is known.
+
+    Parameters
+    ----------
+    problem : Problem
+    name : str
+        The field.
+    value : float
+        One that it shall have, whose warning is the reason.
+
+    Raises
+    ------
+    InvalidProblem
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> coreless = wo.RollProblem.example().replace(core_removed=True)
+    >>> try:
+    ...     check_effect(coreless, "core_shrinkage", 0.01)
+    ... except wo.InvalidProblem as fault:
+    ...     print(fault)
+    core_shrinkage: has no effect in this case, as core_removed = true; must be a field that has one
+    """
+    if not any(is_part_of(name, unused) for unused in problem.unused):
+        return
+    texts: tuple[str, ...] = ()
+    with suppress(InvalidProblem), unwarned():
+        texts = problem.replace(**{name: value}).input_warnings
+    reasons = [t.split("is not used")[1] for t in texts if t.startswith(name) and "not used" in t]
+    reason = reasons[0] if reasons else ""
+    raise InvalidProblem.at(
+        name, f"has no effect in this case{reason}; must be a field that has one"
+    )
 
 
 # ---- outputs by name ----------------------------------------------------------------------------

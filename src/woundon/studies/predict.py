@@ -247,7 +247,7 @@ class Predictor:
         return min(s2, 1.0) if self.weighted else s2
 
     def keep_for_workers(self, u: Array) -> None:
-        """Move the point nearest to u, with its results, to the end.
+        """Move the point nearest to u (p,), with its results, to the end.
 
         A pickled predictor contains the results of the last point only, for warm starts; all of
         them would be large.
@@ -265,11 +265,11 @@ class Predictor:
         return {**self.__dict__, "_values": {}, "_places": last, "report": _no_report}
 
     def inputs(self, u: Array) -> dict[str, float]:
-        """Return the parameters' values by name."""
+        """Return the parameters' values at the coordinates u (p,), by name."""
         return {p.name: p.value(float(v)) for p, v in zip(self.parameters, u, strict=True)}
 
     def _results(self, u: Array) -> list[Result]:
-        """Return the results of all cases at u, with warm starts from the nearest point."""
+        """Return the results of all cases at u (p,), with warm starts from the nearest point."""
         nearest = self._nearest(u)
         if nearest is not None and np.array_equal(nearest.u, u):
             return nearest.results
@@ -289,7 +289,10 @@ class Predictor:
         return result
 
     def _nearest(self, u: Array) -> _Place | None:
-        """Return the nearest recent point, by the largest share of a range; None at first."""
+        """Return the recent point nearest to u (p,), None at first.
+
+        The distance is the largest change of a parameter as a share of its range.
+        """
         width = self.high - self.low
         return min(
             self._places, key=lambda place: float(np.max(np.abs(place.u - u) / width)), default=None

@@ -203,7 +203,15 @@ class RootSearch:
     # ---- scan -----------------------------------------------------------------------------------
 
     def scan(self, count: int, base: float | None) -> None:
-        """Evaluate the points of the range, and points next to it if needed."""
+        """Evaluate the points of the range, and points next to it if needed.
+
+        Parameters
+        ----------
+        count : int
+            Number of points.
+        base : float or None
+            Present value of the field, near which the scan starts; without it at the low end.
+        """
         start = self.interval.low if base is None else base
         for value in sorted(self.interval.points(count).tolist(), key=lambda x: abs(x - start)):
             self.evaluate(value)
@@ -368,10 +376,14 @@ class RootSearch:
         return [triple for triple in triples if all(s.is_solved for s in triple)]
 
     def _minimise(self, a: Sample, b: Sample, c: Sample, sign: float) -> None:
-        """Minimise the output times a sign; stop where f changes its sign, or is not known."""
+        """Minimise the output times a sign between a and c, whose smallest known one is at b.
+
+        Stop where f changes its sign, a bracket of a solution, or is not known.
+        """
         from scipy.optimize import minimize_scalar
 
         def height(value: float) -> float:
+            """Return the output times the sign; interrupt the search where it is of no use."""
             sample = self.evaluate(float(value))
             if not sample.is_solved or self.f(sample) * self.f(b) <= 0:
                 raise _InterruptedError

@@ -351,7 +351,10 @@ class _Search:
         return margins(result, self.limits)
 
     def at(self, u: Array) -> _Evaluation:
-        """Return the winding at relative coordinates u, computed if necessary."""
+        """Return the winding at coordinates u, (fields,), computed if necessary.
+
+        They are 0 and 1 at the ends of the ranges, and are limited to these.
+        """
         values = tuple((self.low + np.clip(u, 0, 1) * (self.high - self.low)).tolist())
         if values in self.evaluations:
             return self.evaluations[values]
@@ -418,17 +421,23 @@ class _Search:
         return "converged" if end.status == 0 else str(end.message).rstrip(".").lower()
 
     def _objective(self, v: Array) -> float:
-        """Return the objective: minus the smallest reserve t = v[-1], or the scaled output."""
+        """Return the objective: minus the smallest reserve t = v[-1], or the scaled output.
+
+        v are the coordinates u; with the smallest reserve as goal t follows them.
+        """
         if self.goal is None:
             return -float(v[-1])
         goal = self.at(v).goal
         return self.sign * goal / self.scale if isfinite(goal) else FAILED_OBJECTIVE
 
     def _constraints(self, v: Array) -> Array:
-        """Return the constraints, >= 0: the reserves, minus t if the smallest one is maximised."""
+        """Return the constraints at v, (margins,): the reserves, minus t if t is maximised.
+
+        They must be >= 0; v as of :meth:`_objective`.
+        """
         if self.goal is not None:
             return self.at(v).reserves
-        # linear models need finite reserves; 2 is larger than t
+        # COBYLA's linear models need finite reserves; 2 is larger than t, at most 1
         return np.minimum(self.at(v[:-1]).reserves, 2.0) - v[-1]
 
     # ---- result ----------------------------------------------------------------------------------

@@ -104,9 +104,11 @@ def slopes(
     fixed, state = on_mesh_of(model, result), dict(inputs or {})
 
     def predictions(solved: Result) -> Array:
+        """Return the predicted values of a result, (values,)."""
         return np.array([predict(solved, observable) for observable in observables])
 
     def predictions_at(name: str, value: float) -> Array:
+        """Solve the case with another value of a field; return its predictions, (values,)."""
         return predictions(solve(fixed, {**state, name: value}, result))
 
     base = predictions(result)
@@ -158,7 +160,7 @@ def _exact_slopes(
 def _difference_quotient(
     values_at: Callable[[float], Array], x: float, step: float, base: Array, central: bool
 ) -> Array:
-    """Return the difference quotient of values at x, where they are ``base``.
+    """Return the difference quotient of values (n,) at x, where they are ``base``.
 
     One side is sufficient; without ``central`` the second one is solved only if the first cannot
     be.

@@ -183,7 +183,7 @@ def fit_stack(
 
 
 def _averaged(P: Array, eps: Array) -> tuple[Array, Array]:
-    """Return the rows of a test; of many rows the means of successive ones, at most 1000."""
+    """Return the rows P [Pa], eps of a test; of many the means of successive ones, at most 1000."""
     if P.size <= MOST_ROWS:
         return P, eps
     blocks = np.linspace(0, P.size, MOST_ROWS + 1).astype(int)[:-1]
@@ -332,6 +332,7 @@ def _fitted(form: _Form, P: Array, eps: Array) -> LawFit | None:
     x, residual = best.x, residuals(best.x)
     if not np.all(np.abs(residual) < WORST):
         return None
+    # a parameter that the search has pressed against its lower limit has the value of the limit
     at_limit = (form.scales > 0) & (x - lowest < LEAST)
     x = np.where(at_limit, lowest, x)
     law = form.make(form.parameters(x))

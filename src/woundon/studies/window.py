@@ -249,7 +249,7 @@ class _Study:
         reference = nips.rows([_nearest_to_centre(nips)])
         x, z = np.repeat(reference.x, self.inputs, axis=0), np.eye(self.inputs)
         if has_shares:
-            # without nips, as if the inputs had no effect on the friction shares
+            # a preview without further nips, as if the inputs had no effect on the friction shares
             without_effects = reference.rows([0] * self.inputs)
             shares = share_polynomials(nips, self._degrees(is_fine), reference, without_effects)
             cases = np.vstack([reference.x, x]), np.vstack([reference.z, z])
@@ -269,12 +269,16 @@ class _Study:
         else:
             added, drawn = self._solve_rolls(self.added, None)
             nominal = joined(nips, added)
-            nominal = nominal.rows(np.lexsort(nominal.x.T[::-1]))  # in the order of the grid
+            # in the order of the grid: by the first coordinate, then the second, ...
+            nominal = nominal.rows(np.lexsort(nominal.x.T[::-1]))
         checks = self._solve("checks", *self._checks())
         return self._window(nominal, reference, steps, drawn, checks)
 
     def _solve_rolls(self, points: Array, shares: Shares | None) -> tuple[Windings, Windings]:
-        """Solve windings at points with median inputs, and with drawn inputs."""
+        """Solve windings at points (n, d) with median inputs, and with drawn inputs.
+
+        ``shares`` as of :meth:`_solve`.
+        """
         x, z = self._drawn()
         medians = np.zeros((len(points), self.inputs))
         windings = self._solve("rolls", np.vstack([points, x]), np.vstack([medians, z]), shares)
@@ -474,10 +478,19 @@ class _Study:
     # ---- where windings exist -------------------------------------------------------------------
 
     def _is_steady(self, mesh: Array, nodes: Array, failures: Mapping[Case, str]) -> Array:
-        """Return a mask of the points at which a winding exists.
+        """Return a mask of the points at which a winding exists, (points,).
 
         Not where the problem is rejected, as the drum slides, and not where the nearest node is
         admissible and nevertheless not solved.
+
+        Parameters
+        ----------
+        mesh : (points, d) array
+            Coordinates x of the map.
+        nodes : (n, d) array
+            Those at which windings with median inputs were solved.
+        failures : mapping
+            As :meth:`_failures` returns them.
         """
         median = (0.0,) * self.inputs
         has_failed = np.array([(tuple(x), median) in failures for x in nodes.tolist()])
@@ -488,7 +501,10 @@ class _Study:
         return self._is_admissible(mesh) & ~unsolved[np.argmin(squares, axis=1)]
 
     def _is_admissible(self, x: Array) -> Array:
-        """Return a mask of the coordinates with a valid problem: loads that the drum can carry."""
+        """Return a mask, (n,), of the coordinates x, (n, d), with a valid problem.
+
+        It is not valid where the drum slides under the loads.
+        """
         is_admissible = np.ones(len(x), dtype=bool)
         for k, point in enumerate(self.set_points.values(x).tolist()):
             try:

@@ -25,7 +25,7 @@ from ..arguments import check_arguments
 from ..errors import InvalidProblem, one_of
 from ..problems.grades import Grade, grade
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, get_field, is_part_of, varied_number
+from ..problems.paths import field_quantity, get_field, varied_number
 from ..problems.permitted import in_brackets
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Steps, Taper
@@ -34,7 +34,7 @@ from ..quantities import Quantity, scalar_outputs
 from ..results import Result
 from .api import range_in_si
 from .cases import table_of_cases
-from .model import Answer, KindModel, kind_of, model_of, solver_options
+from .model import Answer, KindModel, check_effect, kind_of, model_of, solver_options
 from .progress import Progress
 from .run import Workers, run_study
 from .window_map import SetPoints, fitted, from_reserve
@@ -168,8 +168,7 @@ def _range_of(problem: WindingProblem, name: str, ends: Any) -> tuple[float, flo
         varied_number(problem, name)
         for end in (low, high):
             _check_end(problem, name, end)
-    if any(is_part_of(name, unused) for unused in problem.unused):
-        raise InvalidProblem.at(name, "has no effect in this case; must be a field that has one")
+    check_effect(problem, name, high)
     return low, high
 
 

@@ -237,8 +237,9 @@ def _initial_pressure(problem: WindingProblem, stage: Stage, neighbour: NipSampl
     radius = float(stage.radius[-1])
     load = float(problem.at("nip_load", radius))
     if neighbour is None or isnan(neighbour.implied_pressure):
-        P = 1e5 + PEAK_COEFFICIENT * load / 2e-3  # contact width of a stack at 100 kPa
-    elif neighbour.radius != radius:
+        # the wound pressure, and the load over the contact width, of a stack at 100 kPa
+        P = 1e5 + PEAK_COEFFICIENT * load / 2e-3
+    elif neighbour.radius != radius:  # the pressure varies little from nip to nip
         return neighbour.implied_pressure
     else:
         # the same nip of another winding, with another roll and another load: widths and

@@ -83,13 +83,13 @@ def certificate(result: WindingFields) -> Residuals:
     wound = Curve(roll.problem.wound_on_tension, *problem.ends).at(r)
     tension = np.interp(result.nip_radius, r, WOT) - result.nip_departure
     mismatch = tension / result.nip_wound_on_tension - 1
-    unit = max(float(np.max(np.abs(WOT))), 1e-300)
+    unit = _largest_size(WOT)
     # tolerances outside this range cannot be requested
     rtol = result.coupling_rtol
     scale = ACCEPTED_RESIDUAL / rtol if 0 < rtol <= LARGEST_COUPLING_RTOL else np.inf
     schedules = [
         largest(np.abs(getattr(result, name) - problem.at(name, r)))
-        / max(float(np.max(np.abs(problem.at(name, r)))), 1e-300)
+        / _largest_size(problem.at(name, r))
         for name in ("web_tension", "nip_load", "winding_force")
     ]
     return Residuals(
@@ -105,6 +105,11 @@ def certificate(result: WindingFields) -> Residuals:
     )
 
 
+def _largest_size(values: Array) -> float:
+    """Return the largest absolute value, by which residuals are divided; never zero."""
+    return max(float(np.max(np.abs(values))), 1e-300)
+
+
 def _end_radii_residual(result: WindingFields) -> float:
     """Return the relative difference of the end radii from those of the problem.
 
@@ -117,7 +122,10 @@ def _end_radii_residual(result: WindingFields) -> float:
 
 
 def _drives_residual(result: WindingFields) -> float:
-    """Return the largest difference of the drives from those of the problem, relative to each."""
+    """Return the largest difference of the drives from those of the problem, relative to each.
+
+    It is infinite if a drive is missing, or has arrays of another length.
+    """
     r = drive_radii(result.problem)
     if result.drive_radius.shape != r.shape:
         return np.inf
@@ -130,8 +138,7 @@ def _drives_residual(result: WindingFields) -> float:
             given = getattr(drive, field)
             if given.shape != values.shape:
                 return np.inf
-            unit = max(float(np.max(np.abs(values))), 1e-300)
-            differences.append(largest(np.abs(given - values)) / unit)
+            differences.append(largest(np.abs(given - values)) / _largest_size(values))
     return largest(differences)
 
 

@@ -117,7 +117,7 @@ class TensionCurve:
         return R if place == self.pieces[-1].end else core + float(np.exp(place))
 
     def shares(self, values: Mapping[float, float], r: Array, *, curved: bool = False) -> Array:
-        """Interpolate y at radii, from ``values``, which map each place to its y.
+        """Interpolate y at radii (k,) [m], from ``values``, which map each place to its y, (k,).
 
         Below ten layers y is extrapolated linearly in x, or with its curvature if ``curved``, and
         is constant below one layer.  It is limited to the value of the winding force alone, because
@@ -137,12 +137,16 @@ class TensionCurve:
             curvature = (self._slope(values, CURVATURE_DISTANCE) - slope) / CURVATURE_DISTANCE
             out[below] += curvature * dx**2 / 2
         force_share = float(self._share_of_winding_force(np.array(self.radius(first_piece.start))))
+        # the share may approach that of the force from above or from below, but not cross it
         limit = np.maximum if values[first_piece.start] > force_share else np.minimum
         out[below] = limit(out[below], self._share_of_winding_force(r[below]))
         return out
 
     def _share_of_winding_force(self, r: Array) -> Array:
-        """Return y = F/(mu+ P) at radii: that of a nip-induced tension equal to the force F."""
+        """Return y = F/(mu+ P) at radii [m], with their shape.
+
+        It is the share of a nip-induced tension equal to the winding force F.
+        """
         schedule = self.problem.at
         return np.asarray(
             schedule("winding_force", r) / (self.problem.roll_friction * schedule("nip_load", r))
@@ -160,17 +164,15 @@ class TensionCurve:
 
         A lower limit keeps the extrapolated tension of the first layers positive.
         """
-        WOT, first_place = (
-            self.wound_on(self.shares(values, r, curved=curved), r),
-            self.pieces[0].start,
-        )
+        WOT = self.wound_on(self.shares(values, r, curved=curved), r)
+        first_place = self.pieces[0].start
         r_first = np.array(self.radius(first_place))
         WOT_first = float(self.wound_on(np.array(values[first_place]), r_first))
         limit = min(WOT_first, MIN_TENSION * WOT_first)  # the former if it is negative
         return np.where(r < r_first, np.maximum(WOT, limit), WOT)
 
     def wound_on(self, shares: Array, r: Array) -> Array:
-        """Convert shares y at radii to WOT = T_in + y mu+ P [N/m]."""
+        """Convert shares y at radii [m] to WOT = T_in + y mu+ P [N/m], all of one shape."""
         schedule = self.problem.at
         return schedule("web_tension", r) + shares * self.problem.roll_friction * schedule(
             "nip_load", r
@@ -192,8 +194,8 @@ class TensionCurve:
         r = sampling_radii(self.problem)
         nominal = self.wound_on(np.full(r.size, NOMINAL), r)
         first_radius = core + self.problem.web.thickness  # where the share begins to change
-        places = [self.radius(place) for place in self.places]
-        needed = polyline_radii(self.problem, r, nominal, self.rtol, [*places, first_radius])
+        included = [*(self.radius(place) for place in self.places), first_radius]
+        needed = polyline_radii(self.problem, r, nominal, self.rtol, included)
         x = np.linspace(np.log(first_radius - core), np.log(R - core), self.interval_count + 1)
         outside_core = needed[1:]  # the first radius is the core, where x is infinite
         is_near = np.abs(x[:, None] - np.log(outside_core - core)).min(axis=1) < (x[1] - x[0]) / 2
@@ -292,7 +294,7 @@ class TensionCurve:
 
         It is estimated from the error of the nip load, interpolated by the same polynomials.  The
         relative error of the share is at most half of it, because NIT varies as a power of the
-        load between 1/2 and 1.
+        load between 1/2 and 1.  ``r`` and ``tension`` are radii [m] and WOT there [N/m], (k,).
         """
         schedule = self.problem.at
         loads = {place: float(schedule("nip_load", self.radius(place))) for place in self.places}

@@ -137,19 +137,24 @@ def drives_of(problem: WindingProblem, r: Array, film: float) -> dict[str, Drive
         core = web_moment + problem.at("winding_force", r) * r * width
     else:
         core = problem.at("winder.core_torque", r) * width
-        if winder.rider is not None:  # which the roll accelerates
+        if winder.rider is not None:  # an idler: the roll accelerates it, by the force rider [N]
             rider = _inertia(problem).rider * problem.limits.acceleration / winder.rider.radius**2
     growth, acceleration = _moments_of_inertia(problem, r, film)
     acceleration = acceleration + rider * r
     has_core_drive = bool(np.any(np.abs(core) > NO_DRIVE * web_moment))
-    by_core = winder is None and has_core_drive
+    # the core drive turns the inertia of the roll, unless the roll lies on two driven drums
+    core_share = 1.0 if winder is None and has_core_drive else 0.0
     if has_core_drive:
-        torque, moved = core + by_core * growth, by_core * acceleration
+        torque = core + core_share * growth
         drives["core_drive"] = Drive(
-            speed=speed / r, torque=torque, acceleration_torque=moved, power=torque * speed / r
+            speed=speed / r,
+            torque=torque,
+            acceleration_torque=core_share * acceleration,
+            power=torque * speed / r,
         )
     for name, drum in drums.items():
-        arm = drum.radius / r * drum.share * (not by_core)
+        # torque of the drum per torque on the roll
+        arm = drum.radius / r * drum.share * (1 - core_share)
         own = drum.inertia * problem.limits.acceleration / drum.radius
         torque = -drum.force * width * drum.radius + arm * growth
         drives[name] = Drive(

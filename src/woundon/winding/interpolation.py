@@ -23,7 +23,10 @@ UNTESTED = 3  # first points, for which a polynomial of low order gives no estim
 
 @cache
 def leja(count: int) -> tuple[float, ...]:
-    """Return the Leja points on [0, 1]; the first two are the ends."""
+    """Return the Leja points on [0, 1]; the first two are the ends.
+
+    They are chosen among GRID even points.
+    """
     x = np.linspace(0, 1, GRID)
     chosen = [0.0, 1.0]
     product = np.abs(x * (x - 1))
@@ -74,7 +77,7 @@ class Piece:
         y = np.array([values[place] for place in self.places[:first]])
         # barycentric formula, stable at any x; the scale prevents very small or large products
         scale = 4 / (self.end - self.start)
-        distances = scale * (nodes[:, None] - nodes) + np.eye(nodes.size)
+        distances = scale * (nodes[:, None] - nodes) + np.eye(nodes.size)  # 1 of a node to itself
         weights = 1 / distances.prod(axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             terms = weights / (np.asarray(x)[..., None] - nodes)
@@ -83,7 +86,11 @@ class Piece:
         return np.where(is_node.any(axis=-1), is_node @ y, polynomial)
 
     def error_estimates(self, values: Mapping[float, float]) -> list[tuple[float, float]]:
-        """Return the last points: coordinate, and error there of the polynomial without it."""
+        """Return (coordinate, error) of the last points.
+
+        The error is that of the polynomial through the points before it.  ``values`` map the
+        coordinates of the points to the values there.
+        """
         differences = []
         for k in range(max(UNTESTED, len(self.places) - TESTS), len(self.places)):
             place = self.places[k]

@@ -32,6 +32,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -92,7 +93,7 @@ class _Curve:
         self.slope = self.value.derivative()
 
     def at(self, x: Array) -> tuple[Array, Array]:
-        """Return the values and the slopes at any x."""
+        """Return the values and the slopes at any x, arrays of its shape."""
         inside = np.clip(x, self.first, self.last)
         slope = self.slope(inside)
         return self.value(inside) + slope * (x - inside), slope
@@ -139,7 +140,7 @@ class NipAtRadius:
         return _Curve(np.array([0.0, *self.sampled]), self.added_change)
 
     def load_at(self, approach: Array) -> tuple[Array, Array]:
-        """Return P [N/m] and dP/d delta [N/m^2] at approaches [m]; zero at negative ones."""
+        """Return P [N/m] and dP/d delta [N/m^2] at approaches [m], (L,); zero at negative ones."""
         touches = approach > 0
         delta = np.where(touches, approach, self.approach)  # any positive one without contact
         log_load, exponent = self._log_load.at(np.log(delta / self.approach))
@@ -148,10 +149,37 @@ class NipAtRadius:
         return np.where(touches, load, 0.0), np.where(touches, load * exponent / delta, 0.0)
 
     def added(self, load: Array) -> tuple[Array, Array]:
-        """Return A(P) [N/m] and dA/dP [1] at loads [N/m]."""
+        """Return A(P) [N/m] and dA/dP [1] at loads (L,) [N/m]."""
         change, slope = self._added_change.at(load / self.load)
         ratio = self.friction_force / self.load
         return self.added_at_load + self.friction_force * change, ratio * slope
+
+
+class _Samples(NamedTuple):
+    """The K nips of a winding, solved under n loads each at m radii.
+
+    Attributes
+    ----------
+    radius : (m,) array
+        [m].
+    friction : (m,) array
+        mu+ with the entrained air.
+    log_compliance : (m, K) array
+        ln(delta/N) under the loads of the winding.
+    log_approach : (m, K, n) array
+        ln(delta/delta_N).
+    change : (m, K, n) array
+        (A - A_N)/(mu+ N).
+    largest_load : (m, K) array
+        Largest load of the samples that has a steady state, relative to N.
+    """
+
+    radius: Array
+    friction: Array
+    log_compliance: Array
+    log_approach: Array
+    change: Array
+    largest_load: Array
 
 
 class NipsOfWinding:
@@ -169,8 +197,8 @@ class NipsOfWinding:
     ----------
     sampled : tuple of float
         Loads of the samples, relative to N.
-    samples : tuple, optional
-        See :meth:`_samples`; None without solved nips.
+    samples : _Samples, optional
+        None without solved nips.
     """
 
     def __init__(self, result: WindingFields, roll: RollResult, largest: float = LOADS[-1]) -> None:
@@ -185,7 +213,7 @@ class NipsOfWinding:
     @property
     def solved_up_to(self) -> float:
         """Largest load of all samples that has a steady state at all radii, relative to N."""
-        return np.inf if self.samples is None else float(self.samples[1][..., -1].min())
+        return np.inf if self.samples is None else float(self.samples.largest_load.min())
 
     def web_tension(self, r: Array) -> Array:
         """Return T_in at radii [N/m]."""
@@ -225,7 +253,7 @@ class NipsOfWinding:
 
     @property
     def _beams(self) -> list[tuple[Bending, int, str]]:
-        """The beams of the problem, the nip that loads each, and the name of its deflection."""
+        """Those of BEAMS in the problem: (beam, nip that loads it, name of its deflection)."""
         beams = [(field_or_none(self.problem, name), nip, of) for name, nip, of in BEAMS]
         return [(beam, nip, name) for beam, nip, name in beams if beam is not None]
 
@@ -240,11 +268,12 @@ class NipsOfWinding:
         assert self.problem.thickness_profile is not None  # of a problem with lanes
         edges = np.array(self.problem.thickness_profile.position)[[0, -1]]
         with_share = lanes.share > 0
+        # edges of the lanes next to each other, from one edge of the web to the other
         ends = edges[0] + np.ptp(edges) * np.append(0.0, np.cumsum(lanes.share[with_share]))
         places = lanes.position[~with_share]
-        loads = self.nip_loads(np.array([self.problem.radius]))
-        crown = np.zeros((len(loads), lanes.share.size))
-        loaded_by = np.zeros((len(loads), len(self._beams)))
+        nip_count = len(self.nip_loads(np.array([self.problem.radius])))
+        crown = np.zeros((nip_count, lanes.share.size))
+        loaded_by = np.zeros((nip_count, len(self._beams)))
         beams = []
         for b, (bending, nip, _) in enumerate(self._beams):
             loaded_by[nip, b] = 1.0
@@ -256,7 +285,7 @@ class NipsOfWinding:
                     np.inf if shear is None else shear,
                 )
             )
-            if isinstance(bending, DrumBending):
+            if isinstance(bending, DrumBending):  # a core has no crown
                 # relative to the mean height over the width
                 heights = bending.mean_heights(ends), bending.heights(places, tuple(edges))
                 crown[nip] = np.concatenate(heights) - lanes.share[with_share] @ heights[0]
@@ -271,28 +300,32 @@ class NipsOfWinding:
         return dict(zip(names, drums.deflection(loads), strict=True))
 
     def nips(self, radius: float, added: float) -> list[NipAtRadius]:
-        """Return the nips at a radius [m], which add a tension together [N/m]."""
-        assert self.samples is not None
-        radii, values, friction = self.samples
-        places = np.log(radii - self.core)
+        """Return the nips at a radius [m], which together add the tension ``added`` [N/m]."""
+        samples = self.samples
+        assert samples is not None
+        places = np.log(samples.radius - self.core)
         x = np.clip(np.log(max(radius - self.core, 1e-12)), places[0], places[-1])
-        count = len(self.sampled)
+
+        def at_radius(values: Array) -> Array:
+            """Interpolate values of the samples, (m,) or (m, n), at this radius."""
+            columns = values.reshape(len(values), -1).T
+            return np.array([np.interp(x, places, column) for column in columns])
+
+        friction = float(at_radius(samples.friction)[0])
         fade = self._fade(radius, added)
         loads = self.nip_loads(np.array([radius]))[:, 0].tolist()
         nips = []
         for k, load in enumerate(loads):
-            # interpolated from the values that _samples returns
-            row = np.array([np.interp(x, places, column) for column in values[:, k].T])
-            log_compliance, log_approach = row[0], row[1 : 1 + count]
-            change = fade * row[1 + count : 1 + 2 * count]
-            force = float(np.interp(x, places, friction)) * load
+            compliance = float(np.exp(at_radius(samples.log_compliance[:, k])[0]))
+            change = fade * at_radius(samples.change[:, k])
+            force = friction * load
             # one nip adds nothing without load; the others of several add more without this one
             unloaded = -added / force if len(loads) == 1 else change[0]
             nips.append(
                 NipAtRadius(
                     load=load,
-                    approach=float(np.exp(log_compliance) * load),
-                    log_approach=log_approach,
+                    approach=compliance * load,
+                    log_approach=at_radius(samples.log_approach[:, k]),
                     added_at_load=added if k == 0 else 0.0,
                     added_change=np.array([unloaded, *change]),
                     friction_force=force,
@@ -325,29 +358,20 @@ class NipsOfWinding:
         at_first = float(loads[0] - loads[1])
         return float(np.clip(added / at_first, 0.0, 1.0)) if at_first else 1.0
 
-    def _samples(self) -> tuple[Array, Array, Array]:
-        """Return the nips solved under further loads at a few radii.
-
-        Returns
-        -------
-        (m,) array
-            The radii [m].
-        (m, K, 2 + 2 n) array
-            Of each of K nips ln(delta/N), at n loads ln(delta/delta_N) and (A - A_N)/(mu+ N), and
-            the largest of these loads that has a steady state, relative to N.
-        (m,) array
-            mu+ with the entrained air.
-        """
+    def _samples(self) -> _Samples:
+        """Return the nips solved under further loads at a few radii."""
         radii = self.result.nip_radius
         chosen = np.unique(np.round(np.linspace(0, radii.size - 1, RADII)).astype(int))
         friction = self.result.nip_friction[chosen]
-        rows = [
-            self._row(float(r), float(mu)) for r, mu in zip(radii[chosen], friction, strict=True)
+        at_radii = [
+            self._sampled_at(float(r), float(mu))
+            for r, mu in zip(radii[chosen], friction, strict=True)
         ]
-        return radii[chosen], np.array(rows), friction
+        values = (np.array(each) for each in zip(*at_radii, strict=True))
+        return _Samples(radii[chosen], friction, *values)
 
-    def _row(self, radius: float, friction: float) -> Array:
-        """Return the values of :meth:`_samples` at one radius, (K, 2 + 2 n).
+    def _sampled_at(self, radius: float, friction: float) -> tuple[Array, Array, Array, Array]:
+        """Return the last four attributes of :class:`_Samples` at one radius, without their axis m.
 
         The nips are solved under all loads of one of them at a time; a load without a steady state
         is left out.  ``friction`` is mu+ with the entrained air.
@@ -369,14 +393,15 @@ class NipsOfWinding:
             log_approach = np.log(delta / delta[middle])
             change = (added - added[middle]) / (friction * load)
             rows.append(
-                [
+                (
                     np.log(delta[middle] / load),
-                    *_completed(np.log(self.sampled), log_approach),
-                    *_completed(np.array(self.sampled), change),
+                    _completed(np.log(self.sampled), log_approach),
+                    _completed(np.array(self.sampled), change),
                     np.array(self.sampled)[~np.isnan(delta)].max(),
-                ]
+                )
             )
-        return np.array(rows)
+        compliance, approaches, changes, largest = (np.array(c) for c in zip(*rows, strict=True))
+        return compliance, approaches, changes, largest
 
     def _sample(
         self, radius: float, friction: float, fractions: Sequence[float], last: NipSample | None

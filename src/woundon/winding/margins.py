@@ -9,13 +9,15 @@ r"""Margins of a wound roll against known defects.
     slack        min of T_in, WOT        against a minimum tension
     drum_slip    |F|/(mu P) of each drum of a two-drum winder, at most 1
     gauge_band   max of WOT_b/(h E_t)    strain of the thickest lane, against the yield strain
-    bending      max of T/E_t + h/2r     strain at the outer face, against the yield strain
+    bending      max of T/E_t + h/2r     strain at a face of the web, against the yield strain
     collapse     pressure on the inner layers of a roll off its core / buckling of bonded layers
     sliding_collapse                     the same of layers that slide freely on each other
 
-Of a two-drum winder strength and slack contain the tensions between the nips.  Each margin is
-evaluated over the radius of the finished roll and, except blocking, which takes
-time, of stages of the build-up; with centrifugal force of each stage while it runs and at rest.
+In strength, gauge_band and bending the tension is the larger one of that with which a layer is
+wound and of h sigma_t of the finished roll, in bending also its compression.  Of a two-drum winder
+strength and slack contain the tensions between the nips.  Each margin is evaluated over the radius
+of the finished roll and, except blocking, which takes time, of stages of the build-up; with
+centrifugal force of each stage while it runs and at rest.
 Sources: docs/theory/margins.md.
 """
 
@@ -32,7 +34,6 @@ import numpy as np
 from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
 from ..nip.air_films import friction_between
-from ..problems.air import Air
 from ..problems.grades import Grade, source_of_limit
 from ..problems.limits import Limits
 from ..problems.messages import quote
@@ -209,8 +210,9 @@ class Margins(Presented, tuple[Margin, ...]):
     """All margins of a roll, including those without a limit; indexed by number or name.
 
     The attributes ``slip``, ``compression``, ``blocking``, ``core``, ``strength``, ``slack``,
-    ``gauge_band``, ``bending`` and ``drum_slip`` are the reserves, outputs of a winding:
-    ``"margins.blocking"`` in studies.
+    ``gauge_band``, ``bending``, ``drum_slip``, ``collapse`` and ``sliding_collapse`` are the
+    reserves, outputs of a winding: ``"margins.blocking"`` in studies.  That of a margin which a
+    roll does not have, or which is not checked, is nan.
 
     >>> import woundon as wo
     >>> problem = wo.WindingProblem.example().replace(radius=0.12, tension_law="friction")
@@ -303,6 +305,22 @@ class Margins(Presented, tuple[Margin, ...]):
         """Reserve of the friction of both drums, as a share of it [1]; nan without a winder."""
         return self._reserve("drum_slip")
 
+    @property
+    def collapse(
+        self,
+    ) -> Annotated[float, share("m_k", "margin against collapse of the inner layers")]:
+        """Reserve of the inner layers, bonded, of a roll off its core [1]; nan on its core."""
+        return self._reserve("collapse")
+
+    @property
+    def sliding_collapse(
+        self,
+    ) -> Annotated[
+        float, share("m_ks", "margin against collapse of the inner layers without friction")
+    ]:
+        """Reserve of freely sliding inner layers of a roll off its core [1]; nan on its core."""
+        return self._reserve("sliding_collapse")
+
     def _reserve(self, name: str) -> float:
         """Return the reserve of a margin; nan for one that this winding does not have."""
         return next((float(margin.reserve) for margin in self if margin.name == name), nan)
@@ -384,17 +402,12 @@ class WindingTorque:
             data = cls(problem.roll_friction, r, core_tension, result.web_tension, on_arcs)
             if problem.air is None:
                 return data
-            ratio = partial(_friction_ratio, result.air_film, air=problem.air)
+            ratio = partial(friction_between, result.air_film, air=problem.air)
             return replace(data, friction_ratio=ratio)
         r, unknown = result.radius, np.zeros(0)
         tension = result.problem.web_thickness * result.problem.tension_curve.at(r)
         assumed = "taken as centre-wound without a nip"
         return cls(friction=None, radius=r, core=tension, web_tension=unknown, assumed=assumed)
-
-
-def _friction_ratio(film: float, P: Array, air: Air) -> Array:
-    """Return the friction under P with an air film, relative to that without air."""
-    return friction_between(film, P, air)
 
 
 class _State(NamedTuple):
@@ -430,7 +443,7 @@ def _states(roll: RollResult, motion: str | None) -> list[_State]:
     smallest = core + 2 * TAIL_LAYERS * roll.problem.web_thickness
     surfaces = np.linspace(core, radius, STAGES + 1)[1:-1]
     surfaces = np.append(surfaces[surfaces >= smallest], radius)
-    motions = {"": True}
+    motions = {"": True}  # name of the motion: True if at rest
     if roll.problem.centrifugal_stress:
         motions = {RUNNING: False, AT_REST: True}
     return [
@@ -442,7 +455,10 @@ def _states(roll: RollResult, motion: str | None) -> list[_State]:
 
 
 def _state(stage: Stage, motion: str) -> _State:
-    """Return the stresses at a stage, at its nodes and at PLACES even radii."""
+    """Return the stresses at a stage, at its nodes and at PLACES even radii.
+
+    ``motion`` is the name of :class:`_State`.
+    """
     r = np.unique([*stage.radius, *np.linspace(stage.radius[0], stage.radius[-1], PLACES)])
     return _State(float(stage.radius[-1]), motion, r, *stage.stresses_at(r))
 
@@ -462,7 +478,7 @@ DRUMS = share("F/mu P", "largest winding force of a drum / its friction").named(
     "drum_friction_used"
 )
 BAND = strain("eps_b", "largest strain of the thickest lane (gauge band)").named("band_strain")
-FACE = strain("eps_f", "largest strain at the outer face, with bending").named("face_strain")
+FACE = strain("eps_f", "largest strain at a face, with bending").named("face_strain")
 EVEN = "of a web of even thickness"
 RIDGE = length("dR", "height of the ridge over the thickest lane", "um").named("ridge_height")
 # where the torque meets no capacity at all: the margin is infinite
@@ -490,6 +506,8 @@ LEFT_OUT = {
     "sliding_collapse": "friction between the layers; the layers outside, which hold the ring "
     "where it moves outwards; imperfections and uneven thickness",
 }
+# of the gauge band of a roll that is changed after winding
+LANE_CHANGE = "the change of the lane's own tension after winding, "
 NO_LIMIT = "no limit given"
 
 
@@ -549,8 +567,8 @@ def margins(
         raise InvalidProblem.at("motion", f"{quote(motion)} is out of range; {must}")
     torque_data, states = WindingTorque.of(result), _states(roll, motion)
     on_core = states
-    if roll.is_off_core:  # then it passes no torque to the core, nor presses on it
-        last = states[-1].motion
+    if roll.is_off_core:  # it neither presses on the core nor passes a torque to it
+        last = states[-1].motion  # of the finished roll, which is replaced by the roll as wound
         as_wound = wound_stage(roll, at_rest=last != RUNNING)
         on_core = [*states[:-1], _state(as_wound, last)]
     worst: tuple[Margin, ...] = (
@@ -566,7 +584,7 @@ def margins(
         *_collapse(roll),
     )
     if (lanes := result.lanes) is not None:
-        worst = tuple(_of_worst_lane(margin, lanes) for margin in worst)
+        worst = tuple(_of_worst_lane(margin, lanes, roll.problem) for margin in worst)
     if not getattr(result.problem, "has_nip", True):
         worst = tuple(map(_without_nip, worst))
     named_grade = result.problem.named_grade
@@ -583,15 +601,47 @@ def _wound_and_finished(lanes: xarray.Dataset, name: str) -> tuple[Array, Array]
     return (finished if as_wound is None else as_wound.values), finished
 
 
+def _largest_strain(wound: Array, hoop: Array, problem: RollProblem) -> Array:
+    """Return the largest strain along the web of layers by their tension, T/E_t or sigma_t/E_t [1].
+
+    The tension is that of winding, or that of the finished roll if changes after winding, which
+    strain the layers against each other, have increased it.  A free strain itself is without
+    stress, so that it does not count.
+
+    Parameters
+    ----------
+    wound, hoop : arrays of one shape
+        Strain T/E_t as wound [1], hoop stress of the finished roll [Pa].
+    problem : RollProblem
+    """
+    if not problem.is_changed:  # a layer only loses tension as further ones are wound on it
+        return wound
+    return np.maximum(wound, hoop / problem.stack.tangential)
+
+
+def _largest_strain_of_lanes(lanes: xarray.Dataset, problem: RollProblem) -> Array:
+    """Return the largest strain of the layers of each lane by their tension, (M, L) [1]."""
+    return _largest_strain(lanes.band_strain.values, lanes.hoop_stress.values, problem)
+
+
+def _largest_tension_of_lanes(lanes: xarray.Dataset, problem: RollProblem) -> Array:
+    """Return the largest tension of each lane, of the web and of its layers, (M, L) [N/m]."""
+    tension = np.maximum(lanes.wound_on_tension, lanes.web_tension).values
+    if not problem.is_changed:
+        return np.asarray(tension)
+    thickness = problem.web_thickness * (1 + lanes.thickness_excess.values)
+    return np.maximum(tension, thickness * lanes.hoop_stress.values)
+
+
 # Values of a margin in the lanes, (M, L) over radius and position; the worst is the largest, or the
 # smallest of "slack".
-LANE_VALUES: dict[str, Callable[[xarray.Dataset], Array]] = {
-    "compression": lambda lanes: -np.minimum(*_wound_and_finished(lanes, "hoop_stress")),
-    "blocking": lambda lanes: lanes.pressure.values,
-    "core": lambda lanes: np.maximum(*_wound_and_finished(lanes, "pressure"))[:1],
-    "strength": lambda lanes: np.maximum(lanes.wound_on_tension, lanes.web_tension).values,
-    "slack": lambda lanes: np.minimum(lanes.wound_on_tension, lanes.web_tension).values,
-    "gauge_band": lambda lanes: lanes.band_strain.values,
+LANE_VALUES: dict[str, Callable[[xarray.Dataset, RollProblem], Array]] = {
+    "compression": lambda lanes, _: -np.minimum(*_wound_and_finished(lanes, "hoop_stress")),
+    "blocking": lambda lanes, _: lanes.pressure.values,
+    "core": lambda lanes, _: np.maximum(*_wound_and_finished(lanes, "pressure"))[:1],
+    "strength": _largest_tension_of_lanes,
+    "slack": lambda lanes, _: np.minimum(lanes.wound_on_tension, lanes.web_tension).values,
+    "gauge_band": _largest_strain_of_lanes,
 }
 # What the criterion neglects in a roll of lanes, in place of the variation across the width.
 LANES_LEFT_OUT = {
@@ -611,7 +661,7 @@ LANES_LEFT_OUT = {
 }
 
 
-def _of_worst_lane(margin: Margin, lanes: xarray.Dataset) -> Margin:
+def _of_worst_lane(margin: Margin, lanes: xarray.Dataset, problem: RollProblem) -> Margin:
     """Return a margin with the value of the worst lane, as wound or in the finished roll.
 
     Parameters
@@ -620,6 +670,8 @@ def _of_worst_lane(margin: Margin, lanes: xarray.Dataset) -> Margin:
         Of the mean web, at all stages of the build-up.
     lanes : xarray.Dataset
         See :attr:`RollResult.lanes`.
+    problem : RollProblem
+        Of their roll.
     """
     if margin.name not in LANES_LEFT_OUT:  # the torque is carried by the whole width
         return margin
@@ -627,7 +679,7 @@ def _of_worst_lane(margin: Margin, lanes: xarray.Dataset) -> Margin:
     margin = replace(margin, left_out=left_out)
     if margin.name not in LANE_VALUES:  # bending, of the worst lane already
         return margin
-    values = LANE_VALUES[margin.name](lanes)
+    values = LANE_VALUES[margin.name](lanes, problem)
     least = margin.name == "slack"
     radius, lane = np.unravel_index(np.argmin(values) if least else np.argmax(values), values.shape)
     worst = float(values[radius, lane])
@@ -814,14 +866,13 @@ def _slip(
     # if the finished roll is the only stage, its end is the last of two
     evaluated_up_to = dict(zip(surfaces, ends[-len(surfaces) :], strict=True))
     shares = []
-    for s, _, r, P, _ in states:
-        tension = float(np.interp(s, torque_data.radius, torque_data.core))
-        torque = torque_carried(r, s, tension, roll.problem.density or 0, limits.acceleration)
-        shares.append(
-            torque_share(r, P, friction * torque_data.friction_ratio(np.maximum(P, 0)), torque)[
-                r <= evaluated_up_to[s]
-            ]
-        )
+    for state in states:
+        surface, r, P = state.surface, state.r, state.P
+        tension = float(np.interp(surface, torque_data.radius, torque_data.core))
+        density = roll.problem.density or 0
+        torque = torque_carried(r, surface, tension, density, limits.acceleration)
+        mu = friction * torque_data.friction_ratio(np.maximum(P, 0))
+        shares.append(torque_share(r, P, mu, torque)[r <= evaluated_up_to[surface]])
     worst = _worst(states, shares)
     slides = NO_FRICTION if isinf(worst.value) else ""
     note = "; ".join(filter(None, (torque_data.assumed, slides)))
@@ -874,13 +925,15 @@ def _strength(
     final: _State, roll: RollResult, limits: Limits, torque_data: WindingTorque
 ) -> Margin:
     """Return the margin of the largest tension: web, wound-on and residual."""
-    # at the surface the hoop stress equals the wound-on stress up to the discretisation error
-    hoop = roll.problem.web_thickness * final.hoop[:-1]
+    # at the surface the hoop stress equals the wound-on stress up to the discretisation error,
+    # unless it is changed after winding
+    nodes = final.r.size if roll.problem.is_changed else -1
+    hoop = roll.problem.web_thickness * final.hoop[:nodes]
     on_arcs = [
         _OverRadius(f"before the {name}", r, largest)
         for name, (r, _, largest) in torque_data.on_arcs.items()
     ]
-    in_roll = _OverRadius("", final.r[:-1], hoop)
+    in_roll = _OverRadius("", final.r[:nodes], hoop)
     worst = _extreme(np.argmax, *_tensions(roll, torque_data), in_roll, *on_arcs)
     return _margin("strength", worst, limits.web_strength, STRENGTH)
 
@@ -940,13 +993,16 @@ def _collapse(roll: RollResult) -> list[Margin]:
 def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
     """Return the margin of the strain of the thickest lane, with a note on its ridge.
 
-    Units in the note are converted where it is displayed.
+    A lone thick lane does not change the roll, and its own change after winding is not known: its
+    strain is that as wound, or that of the mean web after the changes if this is larger.  Units in
+    the note are converted where it is displayed.
     """
     excess, note = roll.problem.gauge_excess, EVEN
     try:
         strains = lane_strain(roll.problem, roll.radius)
     except InvalidProblem as fault:  # the law of the stack ends
         return _margin("gauge_band", UNKNOWN, nan, BAND, note=str(fault))
+    strains = _largest_strain(strains, roll.hoop_stress, roll.problem)
     k = int(np.argmax(strains))
     worst = _WorstValue(
         float(strains[k]), float(roll.radius[k]), occasion="", r=roll.radius, values=strains
@@ -956,31 +1012,41 @@ def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
         note = f"the lane is {100 * excess:.3g} % thicker, with a ridge of {ridge}"
     missing = NO_LIMIT if limits.yield_strain is None else ""
     note = "; ".join(filter(None, (note, missing)))
-    return _margin("gauge_band", worst, limits.yield_strain, BAND, note=note)
+    margin = _margin("gauge_band", worst, limits.yield_strain, BAND, note=note)
+    if excess and roll.problem.is_changed:
+        return replace(margin, left_out=f"{LANE_CHANGE}{margin.left_out}")
+    return margin
 
 
 def _bending(roll: RollResult, limits: Limits, lanes: xarray.Dataset | None) -> Margin:
-    """Return the margin of the strain at the outer face of the web, with a note on its coil set.
+    """Return the margin of the strain at a face of the web, with a note on its coil set.
 
-    With ``lanes``, see :attr:`RollResult.lanes`, it is that of the lane with the largest strain.
+    Tension adds to the strain of the outer face, compression to that of the inner one.  With
+    ``lanes``, see :attr:`RollResult.lanes`, it is that of the lane with the largest strain.
     """
     r, bent, limit, place = roll.radius, roll.bending_strain, limits.yield_strain, ""
-    wound = roll.problem.tension_curve.at(r) / roll.problem.stack.tangential
-    strains = wound + bent
-    if lanes is not None:
+    problem, E_t = roll.problem, roll.problem.stack.tangential
+    if lanes is None:
+        wound = problem.tension_curve.at(r) / E_t
+        tension = _largest_strain(wound, roll.hoop_stress, problem)
+        even = np.maximum(tension, -roll.hoop_stress / E_t)
+        strains = even + bent
+    else:
         r = lanes.radius.values
-        bent = roll.problem.web_thickness / (2 * r)
-        of_lanes = lanes.band_strain.values + bent[:, None]  # over radius and position
-        lane = int(np.argmax(of_lanes.max(axis=0)))
-        wound, strains = lanes.band_strain.values[:, lane], of_lanes.max(axis=1)
+        bent = problem.web_thickness / (2 * r)
+        tension = _largest_strain_of_lanes(lanes, problem)
+        of_lanes = np.maximum(tension, -lanes.hoop_stress.values / E_t)  # radius and position
+        lane = int(np.argmax((of_lanes + bent[:, None]).max(axis=0)))
+        tension, even = tension[:, lane], of_lanes[:, lane]
+        strains = of_lanes.max(axis=1) + bent
         place = _place_of_lane(lanes, lane)
     k = int(np.argmax(strains))
     worst = _WorstValue(float(strains[k]), float(r[k]), occasion=place, r=r, values=strains)
     if limit is None:
         note = NO_LIMIT
-    elif wound[k] >= limit:
-        note = "the tension alone exceeds it"
-    elif kept := coil_set(float(wound[k]), float(bent[k]), limit):
+    elif even[k] >= limit:
+        note = f"the {'tension' if tension[k] == even[k] else 'compression'} alone exceeds it"
+    elif kept := coil_set(float(even[k]), float(bent[k]), limit):
         curl = POSITION.stored_text(float(r[k]) / kept, ".3g")
         note = f"there the web keeps a curl of {curl} radius"
         if bent[k] > 2 * limit:
@@ -1091,7 +1157,7 @@ class WithMargins(WindingFields):
 
     @property
     def face_strain(self) -> Annotated[float, FACE]:
-        """Largest strain at the outer face of the web, by tension and bending [1]."""
+        """Largest strain at a face of the web, by tension or compression and bending [1]."""
         return float(self.margins["bending"].value)
 
     @property

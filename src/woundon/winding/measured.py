@@ -124,7 +124,7 @@ class Departure:
         return np.array(changes)
 
     def __call__(self, r: Array) -> Array:
-        """Return the total change at radii [N/m]."""
+        """Return the total change at radii, (k,) [N/m]."""
         return np.asarray(self.parts(r).sum(axis=0))
 
 
@@ -186,6 +186,7 @@ def largest_mismatch(
     r = r[r >= curve.radius(curve.pieces[0].start)]
     change, error = np.abs(departure.parts(r)).sum(axis=0), 0.0
     for part in np.array_split(np.arange(r.size), CHECKS):
+        # where the loads differ most from the smooth ones
         radius = float(r[part[np.argmax(change[part])]])
         tension = nips.tension(radius, roll)
         error = max(error, abs(float(tension_at(np.array(radius))) / tension - 1))

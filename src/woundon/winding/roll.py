@@ -90,7 +90,11 @@ def _roll_problem(
     rotates: bool = True,
     changes: bool = True,
 ) -> RollProblem:
-    """Return the problem of the roll; reject a tension that holds no layer on it."""
+    """Return the problem of the roll; reject a tension that holds no layer on it.
+
+    ``r`` and ``tension`` are radii [m] and WOT there [N/m], (M,); other parameters as of
+    :meth:`.WindingProblem.wound_roll`.
+    """
     smallest, force = int(np.argmin(tension)), problem.centrifugal_tension
     if not tension[smallest] > force:
         least = f"{force:.6g} [N/m], the centrifugal force of the web" if force else "0"
@@ -105,7 +109,8 @@ def _roll_problem(
 def _schedule(r: Array, tension: Array) -> float | Profile:
     """Return the tension over the radius without points on straight lines between others.
 
-    A linear tension then has no spurious kinks.
+    A linear tension then has no spurious kinks.  ``r`` and ``tension`` are radii [m] and WOT there
+    [N/m], (M,).
     """
     if np.ptp(tension) <= STRAIGHT * np.max(tension):
         return float(tension[0])

@@ -281,9 +281,11 @@ class _Winder:
         for number in range(MAX_ITERATIONS):
             self.nips.rough = rough = change > ROUGH_CHANGE
             if self.nips.coarse and not rough:
-                # tensions on another mesh do not continue the secant steps
+                # tensions on another mesh do not continue the secant steps; where nips are
+                # extrapolated, the previous iteration only gives the stages of the roll
                 self.nips.coarse, slopes = False, {}
                 previous = previous if self._extrapolates else None
+            # other stages would change the tension, which the extrapolation has made agree
             stages = previous if self._extrapolates else None
             iteration = self._iterate(shares, self._nip_share, stages)
             is_close = (
@@ -301,6 +303,7 @@ class _Winder:
                 shares = _secant_update(iteration, previous, slopes)
             previous, change = iteration, iteration.change
             self._note_progress(change)
+            # with the last mesh, tolerances and radii
             is_final = may_refine and not (added or rough)
             if is_final and change <= STOP_FRACTION * self.coupling_rtol:
                 return iteration if iteration.has_own_stages else self._recompute_roll(iteration)
@@ -465,7 +468,10 @@ class _Winder:
         return self.curve.refine_radii(nip_shares) or added
 
     def _worst_piece(self, nip_shares: dict[float, float]) -> Piece | None:
-        """Return the piece with the largest error, or None if all errors are accepted."""
+        """Return the piece with the largest error, or None if all errors are accepted.
+
+        ``nip_shares`` are the friction shares of the nips by place.
+        """
         curve = self.curve
         errors = np.divide(curve.errors(nip_shares), curve.accepted_errors)
         worst = int(np.argmax(errors))
@@ -473,7 +479,8 @@ class _Winder:
         if errors[worst] <= 1:
             return None
         if len(nip_shares) >= MAX_NIPS:
-            r = curve.radius(piece.error_estimates(nip_shares)[-1][0])
+            last_place, _ = piece.error_estimates(nip_shares)[-1]
+            r = curve.radius(last_place)
             raise NotConverged(
                 f"rtol={self.rtol:g} is not reached with {MAX_NIPS} nips: at the radius "
                 f"{r:.4g} m the relative interpolation error of the wound-on tension is "
@@ -620,7 +627,10 @@ def _secant_update(
 def _solve_prescribed(
     problem: WindingProblem, rtol: float, nodes: int, coupling_rtol: float
 ) -> WindingResult:
-    """Solve a winding whose wound-on tension needs no nips."""
+    """Solve a winding whose wound-on tension needs no nips.
+
+    Parameters as of :func:`solve_winding`.
+    """
     law, schedule, r = problem.tension_law, problem.at, sampling_radii(problem)
     film = 0.0 if problem.has_nip else mean_foil_film(problem)
     if isinstance(law, Profile):
