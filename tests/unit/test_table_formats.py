@@ -494,6 +494,13 @@ def test_an_mdf_file_is_rejected_with_the_remedy(tmp_path: Path):
     assert "export them as .tdms or .csv with one time base" in faults(find_table, path, "run")
 
 
+def test_an_hdf5_file_is_rejected_with_the_remedy(tmp_path: Path):
+    """The signature of HDF5 is text in Windows-1252; MATLAB and netCDF write such files too."""
+    path = tmp_path / "log.h5"
+    path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
+    assert "is not a text file; save it as .xlsx or .csv" in faults(find_table, path, "log")
+
+
 # ---- CSV files for spreadsheets with decimal commas ---------------------------------------------
 
 

@@ -46,7 +46,7 @@ MAX_BLANK_ROWS = 1000  # between rows of an Excel table
 MAX_MERGED = 1000  # blocks of merged cells
 PART = 1_000_000  # characters of a text that are divided into lines at once
 SAMPLE = 1000  # lines from which the separator is determined
-_BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"MDF ")  # zip archives, Excel before 2007, MDF
+_BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x89HDF")  # zip archives, Excel before 2007, HDF5
 
 # parts of a number format of Excel that are displayed as they are (ECMA-376 part 1, 18.8.31)
 _LITERAL = re.compile(r'"[^"]*"|\\.|[_*].|\[[^\]]*\]')
