@@ -9,6 +9,7 @@ from math import pi
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import study_models as models
 from scipy import optimize
@@ -417,3 +418,22 @@ def test_places_begin_at_the_nearest_one_and_known_ones_cost_nothing():
         predictor.residuals(np.array([a, 1.0]))
     assert begun == [None, 0.0, 0.0]
     assert predictor.solves == 3
+
+
+def test_a_parameter_without_effect_in_any_row_is_rejected():
+    roll = wo.RollProblem.example()
+    measured = pd.DataFrame({"core_pressure [kPa]": [300.0]})
+    text = "radial_expansion: has no effect in this case; must be a field that has one"
+    with pytest.raises(wo.InvalidProblem, match=text):
+        wo.fit(roll, measured, {"radial_expansion": (0, 1e-4)})
+
+
+def test_a_parameter_may_have_its_effect_by_another_one_or_in_a_row():
+    """Swelling acts with a change of moisture, which another parameter or a column states."""
+    roll = wo.RollProblem.example().replace(radial_expansion=2e-4)
+    warmed = [{"temperature_change": t} for t in (0.0, 10.0, 20.0)]
+    pressures = [wo.solve(roll.replace(**changes)).core_pressure for changes in warmed]
+    measured = pd.DataFrame({"temperature_change": [0, 10, 20], "core_pressure [Pa]": pressures})
+    unknown = roll.replace(radial_expansion=0.0)
+    found = wo.fit(unknown, measured, {"radial_expansion": (0, 1e-3)}, starts=1, profiles=False)
+    assert found.estimate("radial_expansion") == pytest.approx(2e-4, rel=1e-3)

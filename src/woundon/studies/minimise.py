@@ -165,7 +165,11 @@ def minimise(
 
 
 class _Minimisation:
-    """Residuals and Jacobian of the free parameters v, which end the iteration at the minimum.
+    """Residuals and Jacobian of the free parameters, which end the iteration at the minimum.
+
+    The free coordinates are v = 1 at the lower and 2 at the upper bound: SciPy takes |v| for the
+    length of the first step, and relates the last one to it.  In coordinates u, a start at u = 0
+    (a value of zero, or of 1 in SI units) would have a first step so short that it ends there.
 
     Parameters as of :func:`minimise`; ``at_end`` is the tolerance of the Jacobian at the minimum,
     of :meth:`ReusedJacobian.__call__`.  Arrays v have the f free of the p parameters.
@@ -183,13 +187,16 @@ class _Minimisation:
         self.predictor, self.start, self.known = predictor, start, known
         self.linearised, self.at_end, self.accuracy = linearised, at_end, accuracy
         self.free = np.arange(start.size) != linearised.fixed
+        self.low = predictor.low[self.free]
+        self.width = predictor.high[self.free] - self.low
+        self.first = np.clip(1 + (start[self.free] - self.low) / self.width, 1.0, 2.0)
         self.last: Linearisation | None = None
 
     def run(self) -> Linearisation | None:
         """Return the minimum; None if the start, or a derivative on the way, cannot be solved."""
         from scipy.optimize import least_squares
 
-        predictor, start, free = self.predictor, self.start, self.free
+        predictor, start = self.predictor, self.start
         if not np.isfinite(predictor.residuals(start)).all():
             return None
         try:
@@ -197,9 +204,9 @@ class _Minimisation:
             # be below it at once
             end = least_squares(
                 self.residuals,
-                start[free],
+                self.first,
                 self.jacobian,
-                (predictor.low[free], predictor.high[free]),
+                (1.0, 2.0),
                 method="dogbox",
                 x_scale="jac",
                 ftol=self.accuracy**2 / max(predictor.measured.size - start.size, 1),
@@ -238,12 +245,13 @@ class _Minimisation:
             raise _EndError(self.last)
         if self.known is not None and self._is_in_valley(self.last, self.known):
             raise _EndError(self.known)
-        return self.last.J[:, self.free]
+        return self.last.J[:, self.free] * self.width
 
     def _all_parameters(self, v: Array) -> Array:
         """Return all parameters, (p,), for values v (f,) of the free ones."""
         u = self.start.copy()
-        u[self.free] = v
+        if not np.array_equal(v, self.first):  # the start without rounding, which may be solved
+            u[self.free] = self.low + (v - 1) * self.width
         return u
 
     def _at_minimum(self, u: Array) -> Linearisation:
