@@ -118,8 +118,8 @@ def test_a_command_without_a_folder_says_that_nothing_is_kept(tmp_path: Path, nu
     (tmp_path / "cases.csv").write_text(
         "nip_load [N/m]\n" + "\n".join(map(str, range(3000, 4000))), encoding="utf-8"
     )
-    told = tmp_path / "told.txt"
-    with told.open("w") as channel:
+    error_output = tmp_path / "error_output.txt"
+    with error_output.open("w") as channel:
         command = start(
             "table", "cases.csv", "--case", "case.toml", "--out", "out.csv", "--workers", "2",
             cwd=tmp_path, stderr=channel,
@@ -127,10 +127,10 @@ def test_a_command_without_a_folder_says_that_nothing_is_kept(tmp_path: Path, nu
     wait_for(lambda: len(processes(command.pid)) > 2)  # with a worker and loky's tracker
     command.send_signal(number)
     if number == signal.SIGINT:  # the first one lets it finish what is under way
-        wait_for(lambda: "press Ctrl-C again" in told.read_text())
+        wait_for(lambda: "press Ctrl-C again" in error_output.read_text())
         command.send_signal(number)
     command.communicate(timeout=120)
-    complained = told.read_text()
+    complained = error_output.read_text()
     assert complained.splitlines()[-1] == "interrupted; nothing is kept"
     assert "Traceback" not in complained
     assert command.returncode == CODES[number]
