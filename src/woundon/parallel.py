@@ -229,6 +229,9 @@ def terminations_as_interrupts() -> Iterator[list[int]]:
 # ---- workers ------------------------------------------------------------------------------------
 
 
+WRITER_ENDS = 10.0  # longest time in which a thread that writes to a killed process ends [s]
+
+
 class WorkerDied(RuntimeError):
     """Two processes died during the same item."""
 
@@ -321,8 +324,9 @@ def _end(executor: Any) -> None:
     writer = queue._thread
     executor.shutdown(kill_workers=True)
     if writer is not None:
+        queue.close()  # again, in case that the other thread has failed before it did so
         queue._reader.close()
-        writer.join()
+        writer.join(WRITER_ENDS)  # a copy of this process (fork) could also read
 
 
 @cache

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import process_tasks
 import pytest
+from joblib.externals.loky import process_executor
 from joblib.externals.loky.backend import queues
 from slow_cases import slow_case
 
@@ -156,10 +157,26 @@ def test_no_thread_outlives_its_worker(monkeypatch: pytest.MonkeyPatch):
 def test_a_worker_is_killed_while_it_is_sent_more_than_its_pipe_holds():
     """The thread that writes ends too: nobody can read any more."""
     before = set(threading.enumerate())
+    worker = Worker(prepare=partial(time.sleep, 600))  # reads nothing
+    worker.submit(len, bytes(1 << 24))  # 16 MB; a pipe holds 64 kB
+    worker.kill()
+    assert set(threading.enumerate()) <= before
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_a_worker_is_killed_whose_thread_fails(monkeypatch: pytest.MonkeyPatch):
+    """The other thread would wait for ever for something to write."""
+    manager = process_executor._ExecutorManagerThread
+    kill_process = manager.flag_executor_shutting_down
+
+    def fail(self: object) -> None:
+        kill_process(self)
+        raise RuntimeError
+
+    monkeypatch.setattr(manager, "flag_executor_shutting_down", fail)
+    before = set(threading.enumerate())
     worker = Worker()
     assert worker.submit(abs, -1).result() == 1
-    worker.submit(time.sleep, 600)
-    worker._executor.submit(len, bytes(1 << 24))  # 16 MB; a pipe holds 64 kB
     worker.kill()
     assert set(threading.enumerate()) <= before
 
