@@ -437,3 +437,20 @@ def test_a_parameter_may_have_its_effect_by_another_one_or_in_a_row():
     unknown = roll.replace(radial_expansion=0.0)
     found = wo.fit(unknown, measured, {"radial_expansion": (0, 1e-3)}, starts=1, profiles=False)
     assert found.estimate("radial_expansion") == pytest.approx(2e-4, rel=1e-3)
+
+
+def test_a_parameter_may_have_its_effect_by_another_parameter():
+    """The core's expansion acts with a change of temperature only, which is fitted too."""
+    roll = wo.RollProblem.example().replace(core_shrinkage=1e-4)
+    warmed = roll.replace(temperature_change=10.0, radial_expansion=1e-4)
+    result = wo.solve(warmed, rtol=1e-2)
+    measured = pd.DataFrame(
+        {"core_pressure [Pa]": [result.core_pressure], "mid_pressure [Pa]": [result.mid_pressure]}
+    )
+    found = wo.fit(
+        roll, measured, {"temperature_change": (1, 50), "radial_expansion": (1e-5, 1e-3)},
+        starts=1, profiles=False, rtol=1e-2,
+    )  # fmt: skip
+    # only their product strains the roll
+    product = found.estimate("temperature_change") * found.estimate("radial_expansion")
+    assert product == pytest.approx(1e-3, rel=0.01)

@@ -232,7 +232,10 @@ class _Minimisation:
         # S is rough where a step within the accuracy does not decrease it; the next one is shorter;
         # S that is nan counts as no decrease
         if last is not None and not r @ r < last.S and self._is_negligible(last.change(u), last):
-            raise _EndError(self._at_minimum(last.u))
+            # also with the Jacobian of that point: a reused one may be too small by far
+            self.last = last = self._at_minimum(last.u)
+            if self._is_negligible(last.change(u), last):
+                raise _EndError(last)
         return r
 
     def jacobian(self, v: Array) -> Array:
