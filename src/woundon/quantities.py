@@ -201,6 +201,15 @@ def as_given(values: np.ndarray) -> Any:
     return values[()]
 
 
+def rounded_text(value: float, digits: int) -> str:
+    """Return a number with so many significant digits, below a million without an exponent.
+
+    >>> rounded_text(234.5, 2), rounded_text(0.01234, 2), rounded_text(2.5e-7, 1)
+    ('230', '0.012', '2e-07')
+    """
+    return f"{float(f'{value:.{digits}g}'):.6g}"
+
+
 def length(symbol: str, meaning: str, shown: str = "mm", typical: Range = None) -> Quantity:
     """Return a length [m]."""
     return Quantity(symbol, "m", meaning, shown, typical)

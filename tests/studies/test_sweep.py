@@ -67,6 +67,10 @@ def test_labels_of_profiles_are_short_and_different():
     assert labels[0] == labels[2] != labels[1]
     assert all(label.startswith("ThicknessProfile(position=(0.0, ..., 2.0)") for label in labels)
     assert max(map(len, labels)) < 150
+    table = {"position": position.tolist(), "thickness": bands[0].tolist()}  # as in a study file
+    [label] = as_labels(np.array([table], dtype=object))
+    assert label.startswith("{'position': [0.0, ..., 2.0]")
+    assert len(label) < 100
     few = wo.Profile(radius=[0.04, 0.2], value=[300.0, 250.0])
     assert as_labels(np.array([few, None], dtype=object)).tolist() == [repr(few), "None"]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import pi
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,8 @@ from scipy.optimize import brentq
 
 import woundon as wo
 from woundon.quantities import in_chosen_units
+from woundon.report.panels import SERIES
+from woundon.report.winding_panels import reserves
 from woundon.roll.theories import constant_moduli
 from woundon.winding import margins as module
 from woundon.winding.criteria import (
@@ -352,6 +355,22 @@ COOLED = {"temperature_change": -40.0, "radial_expansion": 2e-4}
 HEATED = {"temperature_change": 40.0, "radial_expansion": 1e-3}
 
 
+def test_the_hint_and_what_is_left_out_are_those_of_the_case() -> None:
+    """At the bore off its core a stiffer core is of no use; a given change of moisture counts."""
+    kept = wo.RollProblem.example()
+    swollen = kept.replace(moisture_change=0.01, radial_swelling=0.1)
+    removed = kept.replace(core_removed=True)
+    of = {
+        name: wo.margins(coarse_solution(p), wo.Limits(compression=1e5))["compression"]
+        for name, p in (("kept", kept), ("swollen", swollen), ("removed", removed))
+    }
+    assert "stiffer core" in of["kept"].hint
+    assert of["removed"].radius == removed.core.radius
+    assert "stiffer" not in of["removed"].hint
+    assert ["moisture" in of[name].left_out for name in of] == [True, False, True]
+    assert of["removed"].distance == "3550 %"  # without an exponent
+
+
 @pytest.mark.parametrize("change", [{"core_removed": True}, HEATED, COOLED])
 def test_the_worst_lanes_count_as_wound_and_after_the_change(change: dict[str, Any]) -> None:
     profile = wo.ThicknessProfile(position=[0, 1, 2], thickness=[0.995, 1.01, 0.995])
@@ -460,3 +479,21 @@ def test_every_margin_has_its_reserve_as_an_attribute(core_removed: bool) -> Non
         expected = next((m.reserve for m in found if m.name == name), np.nan)
         assert getattr(found, name) == pytest.approx(expected, nan_ok=True), name
     assert np.isnan(found.collapse) != core_removed
+
+
+def test_the_panel_of_the_reserves_shows_every_checked_margin() -> None:
+    """There are more margins than colours."""
+    roll = coarse_solution(wo.RollProblem.example().replace(core_removed=True, density=700.0))
+    limits = wo.Limits(
+        layer_friction=0.3, compression=1e5, blocking_pressure=1e6, core_pressure=1e6,
+        web_strength=1e4, yield_strain=0.01, acceleration=0.5,
+    )  # fmt: skip
+    found = wo.margins(roll, limits)
+    checked = {margin.name for margin in found if margin.checked}
+    assert len(checked) > len(SERIES)
+    panel = reserves(SimpleNamespace(margins=found, radius=roll.radius))
+    drawn = {curve.name: (curve.colour, curve.line) for curve in panel.curves if curve.in_legend}
+    assert drawn.keys() == checked
+    assert len(set(drawn.values())) == len(drawn)
+    # a reserve of -35 does not press the others together
+    assert panel.y.limits[0] == -2.0

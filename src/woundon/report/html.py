@@ -147,10 +147,13 @@ def _number(text: str) -> str:
 
     >>> _number("350 N/m"), _number("1, 2 um")
     ('350 N/m', '<span class="list">1, 2&nbsp;µm</span>')
+    >>> _number("9 values, 1 to 2 mil")
+    '<span class="list">9&nbsp;values, 1&nbsp;to 2&nbsp;mil</span>'
     """
     if ", " not in text:
         return unit_html(text)
     items = ", ".join(unit_html(item).replace(" ", "&nbsp;") for item in text.split(", "))
+    items = items.replace("&nbsp;to&nbsp;", "&nbsp;to ")  # a range may be broken too
     return f'<span class="list">{items}</span>'
 
 

@@ -169,6 +169,7 @@ def _map(result: Any, name: str, title: str, output: str, label: str) -> Panel:
 def roll_surface(result: Any) -> Panel:
     """Return the drawing of the roll from the front, with the ridges of its surface enlarged."""
     lanes = result.lanes
+    inner = "bore" if result.problem.core_removed else "core"
     R = float(lanes.radius.values[-1])
     core, ridge = float(lanes.radius.values[0]), lanes.ridge_height.values[-1]
     # ridges are enlarged, but never reduced
@@ -187,7 +188,7 @@ def roll_surface(result: Any) -> Panel:
         Curve("", np.full(2, right), np.array([-1, 1]) * outline[-1], in_legend=False),
         Curve("", ends[[0, -1]], np.full(2, R), "", "mean", colour="soft", line="dotted"),
         Curve("", ends[[0, -1]], np.full(2, -R), colour="soft", line="dotted", in_legend=False),
-        Curve("", ends[[0, -1]], np.full(2, core), "", "core", colour="ink", line="dashed"),
+        Curve("", ends[[0, -1]], np.full(2, core), "", inner, colour="ink", line="dashed"),
         Curve("", ends[[0, -1]], np.full(2, -core), colour="ink", line="dashed", in_legend=False),
         Curve(
             "",

@@ -22,7 +22,7 @@ from ..problems.fields import FLAGS
 from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Steps, Taper
-from ..quantities import Quantity, in_chosen_units
+from ..quantities import Quantity, in_chosen_units, rounded_text
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 
 __all__ = [
@@ -109,7 +109,7 @@ class Row:
             return ""
         # one unit of the last digit that the value is shown with
         last = 10.0 ** (floor(log10(size)) - DIGITS + 1) if size else 0.0
-        return f"<{last:.0g}" if self.error < last else f"{self.error:.2g}"
+        return f"<{last:.0g}" if self.error < last else rounded_text(self.error, 2)
 
     @property
     def text(self) -> str:

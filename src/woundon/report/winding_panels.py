@@ -14,7 +14,7 @@ from ..winding.result import WindingResult
 from . import roll_panels
 from .drives_report import power_panel, torque_panel
 from .lane_panels import lane_panels
-from .panels import SERIES, Area, Axis, Curve, Mark, Panel, PanelMaker
+from .panels import LINES, SERIES, Area, Axis, Curve, Mark, Panel, PanelMaker
 from .report_parts import quantity_of
 from .roll_panels import (
     cut_above,
@@ -35,6 +35,7 @@ STAGES = 6  # drawn, of which the last is the finished roll
 ABOVE, BELOW = 2.5, 1.2
 GAP = 0.1  # between the discs of a growing roll, of the last radius
 MOST, LEAST = 1.05, -0.15  # of the reserves that are drawn; LEAST where none is negative
+DEEPEST = -2.0  # a reserve below this is drawn here: the others would be pressed together
 WITHOUT_FRICTION = -1.0  # drawn in place of an infinite reserve
 BAR = 0.12  # of a reserve at the core alone, of the build-up
 
@@ -228,11 +229,12 @@ def reserves(result: WindingResult) -> Panel:
     checked = [margin.reserve for margin in margins if margin.checked]
     reserves_drawn = (m if isfinite(m) else WITHOUT_FRICTION for m in checked)
     deepest = min(reserves_drawn, default=0.0)
-    low = 1.2 * deepest if deepest < 0 else LEAST
+    low = max(1.2 * deepest, DEEPEST) if deepest < 0 else LEAST
     curves: list[Curve] = []
-    for margin, colour in zip(margins, (*SERIES, "web"), strict=False):
+    for k, margin in enumerate(margins):  # more than there are colours
         if margin.checked:
-            curves += _curves_of_margin(margin, colour, low, float(r[1]))
+            colour, line = SERIES[k % len(SERIES)], LINES[k // len(SERIES)]
+            curves += _curves_of_margin(margin, colour, line, low, float(r[1]))
     return over_radius(
         r,
         "reserves",
@@ -245,7 +247,9 @@ def reserves(result: WindingResult) -> Panel:
     )
 
 
-def _curves_of_margin(margin: Margin, colour: str, low: float, surface: float) -> list[Curve]:
+def _curves_of_margin(
+    margin: Margin, colour: str, line: str, low: float, surface: float
+) -> list[Curve]:
     """Return the reserve of a margin over the radius, at least ``low``, and its smallest value."""
     r, reserve = margin.over_radius, margin.reserve_of(margin.values)
     words = margin.name.replace("_", " ")
@@ -254,7 +258,9 @@ def _curves_of_margin(margin: Margin, colour: str, low: float, surface: float) -
     smallest = np.clip(np.array([margin.reserve]), low, MOST)
     return [
         # larger ones leave the panel, whose axis ends at MOST
-        Curve(margin.name, r, np.clip(reserve, low, 2 * MOST), label=words, colour=colour),
+        Curve(
+            margin.name, r, np.clip(reserve, low, 2 * MOST), label=words, colour=colour, line=line
+        ),
         Curve(
             margin.name,
             np.array([margin.radius]),

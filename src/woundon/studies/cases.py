@@ -45,7 +45,7 @@ Array = np.ndarray
 DESIGNS = ("grid", "table", "latin-hypercube", "sobol")
 MOST_CASES = 100_000_000
 # A list of more than eight values in the text of a description: the first and the last one.
-_LONG_LIST = re.compile(r"\(([^(),]+)(?:, [^(),]+){7,}, ([^(),]+)\)")
+_LONG_LIST = re.compile(r"([(\[])([^()\[\],]+)(?:, [^()\[\],]+){7,}, ([^()\[\],]+)([)\]])")
 
 
 class Chunk(NamedTuple):
@@ -168,7 +168,7 @@ def as_labels(values: Array) -> Array:
     if is_numeric(values):
         return values
     complete = [v if isinstance(v, str) else repr(v) for v in values]
-    short = [_LONG_LIST.sub(r"(\1, ..., \2)", text) for text in complete]
+    short = [_LONG_LIST.sub(r"\1\2, ..., \3\4", text) for text in complete]
     meant: dict[str, list[str]] = {}  # complete texts by the short one
     for text, whole in zip(short, complete, strict=True):
         known = meant.setdefault(text, [])

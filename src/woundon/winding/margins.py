@@ -38,7 +38,7 @@ from ..problems.grades import Grade, source_of_limit
 from ..problems.limits import Limits
 from ..problems.messages import quote
 from ..problems.roll import Core, RollProblem
-from ..quantities import Quantity, length, line_load, share, strain, stress
+from ..quantities import Quantity, length, line_load, rounded_text, share, strain, stress
 from ..results import Presented
 from ..roll.collapse import BONDED, SLIDING
 from ..roll.gauge_band import gauge_band_over, lane_strain
@@ -188,7 +188,7 @@ class Margin:
             return NO_FRICTION
         if self.limit == 0:
             return f"{abs(self.quantity.shown(self.value)):.4g} {self.quantity.display}"
-        return f"{100 * abs(self.reserve):.3g} %"
+        return f"{rounded_text(100 * abs(self.reserve), 3)} %"
 
     def reserve_of(self, value: float | Array) -> float | Array:
         """Compute the reserve of other values [1], with their shape."""
@@ -484,11 +484,13 @@ RIDGE = length("dR", "height of the ridge over the thickest lane", "um").named("
 # where the torque meets no capacity at all: the margin is infinite
 NO_FRICTION = "friction between the layers carries nothing"
 AIR_LEFT_OUT = "air between layers, "  # of the slip, unless the problem has air
+MOISTURE_LEFT_OUT = "moisture, "  # of the compression, unless the roll changes its moisture
 LEFT_OUT = {
     "slip": f"{AIR_LEFT_OUT}friction that falls once they slide, the slip under the nip, the "
     f"outermost {TAIL_LAYERS} layers, the drum's help at a start or stop, impacts",
     "compression": "how far friction between layers keeps them from buckling: stars need "
-    "compression, but supported layers bear some of it; impacts, moisture, uneven thickness",
+    "compression, but supported layers bear some of it; impacts, "
+    f"{MOISTURE_LEFT_OUT}uneven thickness",
     "blocking": "time, temperature, moisture and the chemistry of the surfaces; ridges across the "
     "width, where the pressure is higher",
     "core": "the core's own strength and creep, a tube of paper's layers, the roll's support "
@@ -888,7 +890,15 @@ def _compression(states: list[_State], roll: RollResult, limits: Limits) -> Marg
     wound_on = float(np.max(roll.problem.tension_curve.at(roll.radius)))
     missing = NO_LIMIT if limits.compression is None else ""
     note = "; ".join(filter(None, (missing, _buckling_note(states[-1], roll))))
-    return _margin("compression", worst, limits.compression, COMPRESSION, note=note, scale=wound_on)
+    margin = _margin(
+        "compression", worst, limits.compression, COMPRESSION, note=note, scale=wound_on
+    )
+    if roll.problem.moisture_change:
+        margin = replace(margin, left_out=margin.left_out.replace(MOISTURE_LEFT_OUT, ""))
+    # off the core the inner layers move inwards
+    if roll.is_off_core and margin.radius == roll.problem.core.radius:
+        margin = replace(margin, hint=HINTS["sliding_collapse"])
+    return margin
 
 
 def _buckling_note(final: _State, roll: RollResult) -> str:

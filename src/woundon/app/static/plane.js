@@ -150,11 +150,13 @@ function drawMap(pen, { map, scale }, x, y) {
   const shadeOf = (value) => Math.round(Math.min(Math.max((value - low) / (high - low), 0), 1) * (SHADES - 1));
   map.values.forEach((row, j) => {
     const of = row.map(shadeOf);
+    const [top, height] = [Math.min(rows[j], rows[j + 1]), Math.abs(rows[j + 1] - rows[j])];
     let first = 0; // of the cells of the same shade
     for (let i = 1; i <= row.length; i++) {
       if (of[i] === of[first]) continue;
       pen.ctx.fillStyle = shades[of[first]];
-      pen.ctx.fillRect(edges[first], rows[j], edges[i] - edges[first] + 0.5, rows[j + 1] - rows[j] + 0.5);
+      // cells overlap their neighbours, so that no lines are seen between them
+      pen.ctx.fillRect(edges[first], top, edges[i] - edges[first] + 0.5, height + 0.5);
       first = i;
     }
   });

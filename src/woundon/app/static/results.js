@@ -23,7 +23,7 @@ function valueOf({ value, error }) {
 }
 
 export function errorText(units, output, { value, error }) {
-  if (error == null) return "";
+  if (error == null || (error === 0 && value === 0)) return "";
   const shown = Math.abs(units.shown(output, error));
   const size = Math.abs(units.shown(output, value));
   const last = size ? 10 ** (Math.floor(Math.log10(size)) - 4) : 0;
