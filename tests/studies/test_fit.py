@@ -19,7 +19,7 @@ import woundon as wo
 from woundon.studies.fit import MOST_STARTS, fit_parameters
 from woundon.studies.measurements import read_observations
 from woundon.studies.minimise import Linearisation, minimise
-from woundon.studies.model import model_of
+from woundon.studies.model import KindModel, model_of
 from woundon.studies.predict import Parameter, Predictor
 from woundon.studies.profiles import find_end, threshold
 from woundon.studies.run import Workers
@@ -439,8 +439,23 @@ def test_a_parameter_may_have_its_effect_by_another_one_or_in_a_row():
     assert found.estimate("radial_expansion") == pytest.approx(2e-4, rel=1e-3)
 
 
+@pytest.mark.parametrize("ends", [(-40, 0), (-20, 20), (0, 40)])
+def test_effects_are_those_of_any_point_within_the_bounds(ends: tuple[float, float]):
+    """A change of temperature of zero leaves the expansion without effect, another one does not."""
+    ranges = {"radial_expansion": (0.0, 1e-4), "temperature_change": ends}
+    KindModel(wo.RollProblem.example(), ()).check_effects(ranges)
+
+
+def test_a_parameter_has_the_effects_of_those_that_follow_it():
+    wound = wo.RollProblem.example().replace(core_removed=True, moisture_change=0.02)
+    ranges = {"core_swelling": (0.0, 0.1)}  # of a core that is removed
+    KindModel(wound, (), tie={"radial_swelling": "core_swelling"}).check_effects(ranges)
+    with pytest.raises(wo.InvalidProblem, match="core_swelling: has no effect in this case"):
+        KindModel(wound, ()).check_effects(ranges)
+
+
 def test_a_parameter_may_have_its_effect_by_another_parameter():
-    """The core's expansion acts with a change of temperature only, which is fitted too."""
+    """The expansion through the stack acts with a change of temperature, which is fitted too."""
     roll = wo.RollProblem.example().replace(core_shrinkage=1e-4)
     warmed = roll.replace(temperature_change=10.0, radial_expansion=1e-4)
     result = wo.solve(warmed, rtol=1e-2)

@@ -494,10 +494,25 @@ def test_an_mdf_file_is_rejected_with_the_remedy(tmp_path: Path):
     assert "export them as .tdms or .csv with one time base" in faults(find_table, path, "run")
 
 
-def test_an_hdf5_file_is_rejected_with_the_remedy(tmp_path: Path):
-    """The signature of HDF5 is text in Windows-1252; MATLAB and netCDF write such files too."""
-    path = tmp_path / "log.h5"
-    path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
+def test_text_that_begins_with_mdf_is_text(tmp_path: Path):
+    path = tmp_path / "board.csv"
+    path.write_text("MDF [kN/m];NIP [kN/m]\n1;2\n", encoding="utf-8")
+    assert find_table(path, "board").header == 1
+
+
+@pytest.mark.parametrize(
+    "beginning",
+    [
+        b"\x89HDF\r\n\x1a\n",  # HDF5, also of MATLAB and netCDF: text in Windows-1252
+        b"MATLAB 7.3 MAT-file".ljust(512),  # HDF5 after 512 bytes of text
+        b"MATLAB 5.0 MAT-file".ljust(124),
+        b"CDF\x01",
+        b"SQLite format 3",
+    ],
+)
+def test_a_binary_file_is_rejected_with_the_remedy(tmp_path: Path, beginning: bytes):
+    path = tmp_path / "log.csv"
+    path.write_bytes(beginning + bytes(100))
     assert "is not a text file; save it as .xlsx or .csv" in faults(find_table, path, "log")
 
 

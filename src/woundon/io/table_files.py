@@ -46,6 +46,7 @@ MAX_BLANK_ROWS = 1000  # between rows of an Excel table
 MAX_MERGED = 1000  # blocks of merged cells
 PART = 1_000_000  # characters of a text that are divided into lines at once
 SAMPLE = 1000  # lines from which the separator is determined
+BEGINNING = 4096  # bytes of a file that show whether it is text
 _BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x89HDF")  # zip archives, Excel before 2007, HDF5
 
 # parts of a number format of Excel that are displayed as they are (ECMA-376 part 1, 18.8.31)
@@ -96,12 +97,13 @@ def decoded(content: bytes, where: str) -> str:
     InvalidProblem
         If it is not text.
     """
-    if content[:4] == b"MDF ":
+    if content.startswith((b"MDF     ", b"UnFinMF ")):
         text = "is an MDF file, whose signals have different times; export them as .tdms or .csv"
         raise InvalidProblem.at(where, f"{text} with one time base")
-    if content[:4] in _BINARY:
-        raise InvalidProblem.at(where, "is not a text file; save it as .xlsx or .csv")
     has_mark = content[:2] in (b"\xff\xfe", b"\xfe\xff")
+    # only UTF-16 has zeros; those of a binary file are among its first bytes
+    if content[:4] in _BINARY or (not has_mark and b"\0" in content[:BEGINNING]):
+        raise InvalidProblem.at(where, "is not a text file; save it as .xlsx or .csv")
     # Windows-1252 matters for µ and ± in headers only
     for code in ["utf-16"] if has_mark else ["utf-8-sig", "cp1252"]:  # "-sig": drops the mark
         try:

@@ -168,7 +168,10 @@ def as_labels(values: Array) -> Array:
     if is_numeric(values):
         return values
     complete = [v if isinstance(v, str) else repr(v) for v in values]
-    short = [_LONG_LIST.sub(r"\1\2, ..., \3\4", text) for text in complete]
+    short = [
+        text if isinstance(v, str) else _LONG_LIST.sub(r"\1\2, ..., \3\4", text)
+        for v, text in zip(values, complete, strict=True)
+    ]
     meant: dict[str, list[str]] = {}  # complete texts by the short one
     for text, whole in zip(short, complete, strict=True):
         known = meant.setdefault(text, [])

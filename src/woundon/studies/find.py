@@ -27,7 +27,7 @@ from ..quantities import Quantity, in_chosen_units
 from ..results import Result
 from .api import range_in_si
 from .measurements import Observable
-from .model import check_effect, model_of, quantities_of, solver_options
+from .model import model_of, quantities_of, solver_options
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
 from .root_search import DECADE, Interval, RootSearch, Sample
@@ -283,7 +283,7 @@ def find(
         raise InvalidProblem.at(output, f"the target {quote(aim)} is not a finite number")
     count = whole_number("points", points, 3, 1000)
     interval = _interval(problem, name, base, quantities[name], between)
-    check_effect(problem, name, interval.high)
+    model.check_effects({name: (interval.low, interval.high)})
     with progress_reporter(progress, "finding") as report:
         search = RootSearch(
             model, name, output, aim, interval, lambda done: report(done, max(done, count))

@@ -15,7 +15,6 @@ s^2 = S/(m - p), or 1 where the deviations are known:
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from operator import attrgetter
@@ -27,14 +26,14 @@ from ..arguments import check_arguments, whole_number
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..io.sheets import TableSource
 from ..problems.messages import not_one_of, quote
-from ..problems.paths import is_part_of, varied_value
+from ..problems.paths import varied_value
 from ..problems.problem import Problem
 from .api import range_in_si
 from .fit_result import FitResult
 from .input_scatter import with_input_scatter
 from .measurements import Observations, read_observations
 from .minimise import ACCURACY, Linearisation, minimise
-from .model import check_effect, model_of, options_of, quantities_of, solver_options
+from .model import model_of, options_of, quantities_of, solver_options
 from .predict import Parameter, Predictor
 from .profiles import End, ProfileLikelihood, find_end, profile_of, threshold
 from .progress import Progress, progress_reporter
@@ -133,7 +132,11 @@ def fit(
     for parameter in parameters:
         _check_bounds(problem, parameter)
     _check_rows(problem, data)
-    _check_effects(problem, data, parameters)
+    rows = (
+        {name: float(values[row]) for name, values in data.inputs.items()}
+        for row in dict.fromkeys(data.rows.tolist())
+    )
+    model.check_effects({p.name: (p.low, p.high) for p in parameters}, rows)
     _check_units(data)
     data = with_input_scatter(model, data)
     predictor, profiled = Predictor(model, data, parameters), _names_of_profiles(profiles, bounds)
@@ -219,23 +222,6 @@ def _check_rows(problem: Problem, data: Observations) -> None:
             continue
         except InvalidProblem as fault:
             raise fault.under(f"{data.where}: row {number}") from None
-
-
-def _check_effects(problem: Problem, data: Observations, parameters: Sequence[Parameter]) -> None:
-    """Reject a parameter without effect in all rows, with the others at their upper bounds."""
-    bounds = {parameter.name: parameter.high for parameter in parameters}
-    without_effect = list(bounds)
-    for row in dict.fromkeys(data.rows.tolist()):
-        inputs = {name: float(values[row]) for name, values in data.inputs.items()}
-        with suppress(InvalidProblem):  # of bounds that no row permits together
-            unused = problem.replace(**(inputs | bounds)).unused
-            without_effect = [
-                name for name in without_effect if any(is_part_of(name, part) for part in unused)
-            ]
-        if not without_effect:
-            break
-    for name in without_effect:
-        check_effect(problem, name, bounds[name])
 
 
 def _check_units(data: Observations) -> None:

@@ -29,7 +29,6 @@ __all__ = [
     "Answer",
     "KindModel",
     "Model",
-    "check_effect",
     "kind_of",
     "model_of",
     "options_of",
@@ -174,6 +173,59 @@ class KindModel:
                     raise InvalidProblem.at(name, text)
             if not any(name != other and is_part_of(name, other) for other in varied):
                 get_field(self.problem, name)  # raises an error if it does not exist
+
+    def check_effects(
+        self, ranges: Mapping[str, tuple[float, float]], rows: Iterable[Mapping[str, Any]] = ({},)
+    ) -> None:
+        """Reject a field on which nothing depends, nor on those that follow it.
+
+        Parameters
+        ----------
+        ranges : mapping of str to (float, float)
+            Ends of the varied fields.  A field may have an effect by another one: all are tried at
+            their upper ends, in the middle, and at their lower ends.
+        rows : iterable of mappings
+            Other inputs of the cases.
+
+        Raises
+        ------
+        InvalidProblem
+            With the reason, if it is known.
+
+        Examples
+        --------
+        >>> import woundon as wo
+        >>> coreless = wo.RollProblem.example().replace(core_removed=True)
+        >>> try:
+        ...     KindModel(coreless, ()).check_effects({"core_shrinkage": (0, 0.01)})
+        ... except wo.InvalidProblem as fault:
+        ...     print(str(fault).partition(";")[0])
+        core_shrinkage: has no effect in this case, as core_removed = true
+        """
+        without = list(ranges)
+        for inputs in rows:
+            for share in (1.0, 0.5, 0.0):
+                point = {name: low + share * (high - low) for name, (low, high) in ranges.items()}
+                with suppress(InvalidProblem), unwarned():  # not every combination is valid
+                    unused = self.variant({**inputs, **point}).unused
+                    without = [name for name in without if not self._has_effect(name, unused)]
+                if not without:
+                    return
+        for name in without:
+            if not self._has_effect(name, self.problem.unused):
+                reason = _reason_without_effect(self.problem, name, ranges[name][1])
+                text = f"has no effect in this case{reason}; must be a field that has one"
+                raise InvalidProblem.at(name, text)
+
+    def _has_effect(self, name: str, unused: Sequence[str]) -> bool:
+        """Return whether a field, or one that follows it, is not among the unused ones."""
+        names = [name]
+        for follower, leader in self.tie.items():
+            if is_part_of(name, leader):  # the same part of a body that follows
+                names.append(follower + name.removeprefix(leader))
+            elif is_part_of(leader, name):
+                names.append(follower)
+        return any(not any(is_part_of(each, part) for part in unused) for each in names)
 
     def without_estimates(self) -> KindModel:
         """Return the model that omits error estimates if no output is one and none are asked for.
@@ -328,41 +380,13 @@ def options_of(problem: Problem) -> dict[str, Any]:
     return {name: default for name, default in keywords.items() if name not in excluded}
 
 
-def check_effect(problem: Problem, name: str, value: float) -> None:
-    """Reject a field on which nothing depends in this case, with the reason if it is known.
-
-    Parameters
-    ----------
-    problem : Problem
-    name : str
-        The field.
-    value : float
-        One that it shall have, whose warning is the reason.
-
-    Raises
-    ------
-    InvalidProblem
-
-    Examples
-    --------
-    >>> import woundon as wo
-    >>> coreless = wo.RollProblem.example().replace(core_removed=True)
-    >>> try:
-    ...     check_effect(coreless, "core_shrinkage", 0.01)
-    ... except wo.InvalidProblem as fault:
-    ...     print(fault)
-    core_shrinkage: has no effect in this case, as core_removed = true; must be a field that has one
-    """
-    if not any(is_part_of(name, unused) for unused in problem.unused):
-        return
+def _reason_without_effect(problem: Problem, name: str, value: float) -> str:
+    """Return why a field with a value has no effect, ", as ..."; empty if that is not known."""
     texts: tuple[str, ...] = ()
     with suppress(InvalidProblem), unwarned():
         texts = problem.replace(**{name: value}).input_warnings
-    reasons = [t.split("is not used")[1] for t in texts if t.startswith(name) and "not used" in t]
-    reason = reasons[0] if reasons else ""
-    raise InvalidProblem.at(
-        name, f"has no effect in this case{reason}; must be a field that has one"
-    )
+    reasons = [t.split("is not used")[1] for t in texts if t.startswith(f"{name} is not used")]
+    return reasons[0] if reasons else ""
 
 
 # ---- outputs by name ----------------------------------------------------------------------------

@@ -187,6 +187,7 @@ def operating_window(
     }
     ranges = ranges_of(problem, given, vary)
     model.check_varied([*spreads, *ranges])
+    model.check_effects(ranges)
     if repeated := [name for name in ranges if name in spreads]:
         text = "is a set point, which has no spread; must be left out, or set to 0"
         raise InvalidProblem((f"uncertain.{name}", text) for name in repeated)

@@ -34,7 +34,7 @@ from ..quantities import Quantity, scalar_outputs
 from ..results import Result
 from .api import range_in_si
 from .cases import table_of_cases
-from .model import Answer, KindModel, check_effect, kind_of, model_of, solver_options
+from .model import Answer, KindModel, kind_of, model_of, solver_options
 from .progress import Progress
 from .run import Workers, run_study
 from .window_map import SetPoints, fitted, from_reserve
@@ -126,7 +126,7 @@ def ranges_of(
     ------
     InvalidProblem
         For other than two or three ranges, a load that the winding does not have, a field twice,
-        one that is no number or has no effect, and values out of the range of the field.
+        one that is no number, and values out of the range of the field.
     """
     load = "nip_load" if problem.winder is None else "winder.rider_load"
     if problem.winder is None and named["rider_load"] is not None:
@@ -168,7 +168,6 @@ def _range_of(problem: WindingProblem, name: str, ends: Any) -> tuple[float, flo
         varied_number(problem, name)
         for end in (low, high):
             _check_end(problem, name, end)
-    check_effect(problem, name, high)
     return low, high
 
 
