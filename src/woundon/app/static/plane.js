@@ -144,7 +144,8 @@ function contour({ x, y, values }, level, draw) {
 /** Draw the cells of a map: neighbours of the same shade as one, for each move of a slider draws it again. */
 function drawMap(pen, { map, scale }, x, y) {
   const middles = (of, values) => values.map((value, k) => (k ? (of(values[k - 1]) + of(value)) / 2 : of(value))).concat(of(values.at(-1)));
-  const [edges, rows] = [middles(x, map.x), middles(y, map.y)];
+  // whole pixels: an edge within one would let the background show through
+  const [edges, rows] = [middles(x, map.x), middles(y, map.y)].map((values) => values.map(Math.round));
   const [low, high] = scale.axis.limits;
   const shades = Array.from({ length: SHADES }, (_, k) => `rgb(${colourAt(low + (high - low) * k / (SHADES - 1), scale)})`);
   const shadeOf = (value) => Math.round(Math.min(Math.max((value - low) / (high - low), 0), 1) * (SHADES - 1));
@@ -155,8 +156,7 @@ function drawMap(pen, { map, scale }, x, y) {
     for (let i = 1; i <= row.length; i++) {
       if (of[i] === of[first]) continue;
       pen.ctx.fillStyle = shades[of[first]];
-      // cells overlap their neighbours, so that no lines are seen between them
-      pen.ctx.fillRect(edges[first], top, edges[i] - edges[first] + 0.5, height + 0.5);
+      pen.ctx.fillRect(edges[first], top, edges[i] - edges[first], height);
       first = i;
     }
   });
