@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from html import unescape
+from math import floor, log10
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -73,10 +74,11 @@ def numbers(text: str) -> list[Shown]:
                 continue
             unit = size(units.get(number.start(), default))
             mantissa, _, power = number[0].partition("e")
-            decimals = len(mantissa.partition(".")[2])
-            shown.append(
-                Shown(float(number[0]) * unit, 10.0 ** (int(power or 0) - decimals) * unit)
-            )
+            last = int(power or 0) - len(mantissa.partition(".")[2])  # power of ten of this digit
+            if line[: number.start()].rstrip().endswith(("±", "+-")) and float(number[0]) > 0:
+                # errors have two digits, also those without decimals: 758 is printed as 760
+                last = max(last, floor(log10(float(number[0]))) - 1)
+            shown.append(Shown(float(number[0]) * unit, 10.0**last * unit))
     return shown
 
 

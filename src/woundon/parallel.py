@@ -280,10 +280,10 @@ class Worker:
         from concurrent.futures import BrokenExecutor
 
         if self._executor is not None:
-            try:
-                return self._executor.submit(work, *args)
-            except BrokenExecutor:  # it died while it was idle
-                _end(self._executor)
+            with suppress(BrokenExecutor):
+                if not _has_died(self._executor):
+                    return self._executor.submit(work, *args)
+            _end(self._executor)  # its process died while it was idle
         from joblib.externals.loky import ProcessPoolExecutor
 
         # a process that has grown ends between two tasks, and the next task starts another one
@@ -311,6 +311,13 @@ class Worker:
                     time.sleep(0.001)
                 _end(executor)
             self._flag.unlink(missing_ok=True)
+
+
+def _has_died(executor: Any) -> bool:
+    """Return whether a process of an executor has ended, which its thread may not know yet."""
+    from multiprocessing.connection import wait
+
+    return bool(wait([process.sentinel for process in [*executor._processes.values()]], timeout=0))
 
 
 def _end(executor: Any) -> None:

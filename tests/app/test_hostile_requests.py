@@ -1,7 +1,5 @@
 """The server answers hostile requests without a fault (``hostile_requests.py``)."""
 
-import os
-import signal
 import threading
 import time
 
@@ -54,8 +52,10 @@ def test_workers_killed_at_work_give_one_error_and_the_next_request_is_served(pr
     ):  # one works at it
         assert time.monotonic() < limit
         time.sleep(0.02)
-    for pid in process.workers():
-        os.kill(pid, signal.SIGKILL)
+    killed = [psutil.Process(pid) for pid in process.workers()]
+    for worker in killed:
+        worker.kill()
+    psutil.wait_procs(killed, timeout=60)
     thread.join()
     answer = answers[0].json()
     assert (answer["status"], answer["type"]) == (503, "/problems/worker-died")

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
 from functools import partial
+from multiprocessing import connection
 from pathlib import Path
 
 import process_tasks
@@ -94,6 +95,21 @@ def test_workers_killed_while_they_wait_are_replaced():
     for process in children():
         os.kill(process, signal.SIGKILL)
     assert sorted([first, *found]) == SQUARES
+
+
+@posix
+def test_a_worker_that_died_while_it_was_idle_is_replaced_at_once():
+    """The thread that watches the process may learn of its end after the next item came."""
+    worker = Worker()
+    try:
+        for x in range(20):
+            assert worker.submit(process_tasks.square, x).result() == x * x
+            (process,) = worker._executor._processes.values()
+            os.kill(process.pid, signal.SIGKILL)
+            connection.wait([process.sentinel])
+            assert worker.submit(process_tasks.square, x).result() == x * x
+    finally:
+        worker.kill()
 
 
 def test_a_closed_generator_leaves_no_process():
