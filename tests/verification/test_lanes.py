@@ -14,7 +14,7 @@ from slow_cases import campaign_case, slow_case
 import woundon as wo
 from woundon.problems.thickness_profile import Lanes
 from woundon.roll.lane_tension import tension_of_web
-from woundon.roll.solve import solve_thin_layers
+from woundon.roll.solve import solve_uncertified
 from woundon.roll.solve_lanes import _check_law, solve_lanes
 from woundon.winding.bodies import linear_cylinder
 
@@ -39,7 +39,7 @@ def roll_of(web, radius, tension=None):
 
 def solve(problem, lanes, nips=None, tolerance=2e-3):
     """Return the lanes of any shares: profiles have lanes of one width."""
-    roll = solve_thin_layers(problem, 1e-3).wound_with(problem)
+    roll = solve_uncertified(problem, 1e-3).wound_with(problem)
     none = Lanes(*(np.zeros(0) for _ in range(4)))
     profile = SimpleNamespace(position=[0, 1], lanes=lambda *_: lanes, extremes=lambda *_: none)
     case = SimpleNamespace(thickness_profile=profile, oscillation=0.0)
@@ -357,7 +357,7 @@ def test_a_jump_within_the_smallest_step_is_in_the_error_estimate():
 @pytest.mark.parametrize("web", list(STACKS))
 def test_equal_lanes_are_the_plain_roll(web):
     problem = roll_of(web, 0.15, wo.Taper(start=STACKS[web][3], taper=0.3))
-    roll = solve_thin_layers(problem, 1e-3).wound_with(problem).result
+    roll = solve_uncertified(problem, 1e-3).wound_with(problem).result
     for lanes in (lanes_of([0.0]), lanes_of(np.zeros(7), np.arange(1, 8) / 28)):
         lane = solve(problem, lanes)
         # 1e-9 is requested; the last Newton step leaves about 1e-11
@@ -566,7 +566,7 @@ def random_case(seed):
 
 def solve_profile(problem, nip, rtol=1e-3, **options):
     """Return the lanes of a problem with a profile."""
-    roll = solve_thin_layers(problem, rtol).wound_with(problem)
+    roll = solve_uncertified(problem, rtol).wound_with(problem)
     return solve_lanes(roll.result, roll.build_up, problem, nips=nip, **options)
 
 

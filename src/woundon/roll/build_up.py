@@ -10,10 +10,10 @@ a differential equation by an implicit multistep method: kappa is extrapolated f
 stages to the next one, where pressure and kappa are computed together.  The difference from the
 extrapolation controls the step size.  The cost does not depend on the number of layers.
 
-**Layers of a finite thickness h.**  Each layer loads the roll below by T h/s at once, and in the
-layer the pressure decreases from T h/s to zero.  To first order in h the pressure between the
-layers is P + p, with p = T h/(2 s), the pressure of half a layer, and with P as of thin layers in a
-stack that is wound under p (:class:`Layers`): F(P) is replaced by F(P + p) - F(p).
+**Layers of the thickness h.**  Each layer loads the roll below by T h/s at once, and in the layer
+the pressure decreases from T h/s to zero.  To first order in h the pressure between the layers is
+P + p, with p = T h/(2 s), the pressure of half a layer, and with P as of thin layers in a stack
+that is wound under p (:class:`Layers`): F(P) is replaced by F(P + p) - F(p).
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ import numpy as np
 
 from .equations import (
     GrowthEffect,
+    OwnPressure,
     StageData,
     StageEquations,
     StageSolution,
@@ -47,7 +48,7 @@ __all__ = [
     "no_stage_of_roll",
     "step_factor",
     "wind",
-    "wind_finite_layers",
+    "wind_thin_layers",
     "wind_with_stages",
 ]
 
@@ -69,8 +70,7 @@ IMPLICIT_ERROR = 0.2
 
 
 def wind(
-    equations: StageEquations,
-    tension: Tension,
+    layers: Layers,
     core: float,
     radius: float,
     *,
@@ -87,10 +87,7 @@ def wind(
 
     Parameters
     ----------
-    equations : StageEquations
-        The boundary-value problem of every stage.
-    tension : Tension
-        Wound-on stress over the radius, and its kinks.
+    layers : Layers
     core, radius : float
         Both radii [m].
     tolerance : float
@@ -107,9 +104,9 @@ def wind(
     NotWoundError
         If a stage cannot be solved.
     """
-    roll = _Roll(Layers(equations, tension), core, cells, surface_layer, report)
+    roll = _Roll(layers, core, cells, surface_layer, report)
     accepted_error = STAGE_TOLERANCE * tolerance
-    first_step = 0.1 * min(surface_layer, equations.core_layer)
+    first_step = 0.1 * min(surface_layer, layers.equations.core_layer)
     # x is ln r of the surface; it equals last_kink only after a step that ended at a kink
     x, end, step, last_kink = roll.start, log(radius), first_step, -np.inf
     while x < end:
@@ -142,8 +139,7 @@ def wind(
 
 
 def wind_with_stages(
-    equations: StageEquations,
-    tension: Tension,
+    layers: Layers,
     reference: BuildUp,
     *,
     cells: int,
@@ -156,16 +152,16 @@ def wind_with_stages(
     between both are then free of the errors of the stages, which they share, and of Newton's
     method.  Other parameters as of :func:`wind`.
     """
-    layers, all_stages = Layers(equations, tension), range(1, reference.growth.x.size)
+    all_stages = range(1, reference.growth.x.size)
     return _wind_selected_stages(
         layers, reference, all_stages, SAME_STAGES, cells, surface_layer, report
     )
 
 
-def wind_finite_layers(
+def wind_thin_layers(
     layers: Layers, reference: BuildUp, *, cells: int, surface_layer: float
 ) -> Array:
-    """Return kappa with layers of finite thickness, at the stages of a build-up with thin ones.
+    """Return kappa in the limit of thin layers, at the stages of the roll.
 
     The difference is small and smooth.  It is computed at every second stage and at the kinks,
     usually with one Newton step, and interpolated.
@@ -173,9 +169,9 @@ def wind_finite_layers(
     Parameters
     ----------
     layers : Layers
-        Of finite thickness.
+        Of the roll.
     reference : BuildUp
-        The roll wound with thin layers.
+        The roll.
     cells, surface_layer
         As of :func:`wind`.
 
@@ -184,14 +180,14 @@ def wind_finite_layers(
     (J,) array
         Kappa at the stages ``reference.growth.x``.
     """
-    thin = reference.growth
-    kinks = thin.kinks[thin.kinks > 0]  # without the core
-    stage_numbers = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks).tolist()
-    finite = _wind_selected_stages(
-        layers, reference, stage_numbers, ONE_NEWTON_STEP, cells, surface_layer, None
+    known = reference.growth
+    kinks = known.kinks[known.kinks > 0]  # without the core
+    stage_numbers = np.union1d(np.arange(known.x.size - 1, 0, -2), kinks).tolist()
+    thin = _wind_selected_stages(
+        layers.thin, reference, stage_numbers, ONE_NEWTON_STEP, cells, surface_layer, None
     ).growth
-    difference = Growth.of(finite.x, finite.kappa - thin(finite.x), finite.point_counts)
-    return np.asarray(thin.kappa + difference(thin.x))
+    difference = Growth.of(thin.x, thin.kappa - known(thin.x), thin.point_counts)
+    return np.asarray(known.kappa + difference(known.x))
 
 
 def _wind_selected_stages(
@@ -232,6 +228,7 @@ def _wind_selected_stages(
         cell_source(tension, growth, x),
         float(tension.at(np.array([exp(core)]))[0]),
         laid_tension=tension.at(np.exp(growth.x[1:])),
+        own=layers.own(x),
         gaps=gaps,
     )
     solved = equations.solve_with_growth(
@@ -326,33 +323,63 @@ class BuildUp:
 
 @dataclass(frozen=True)
 class Layers:
-    """Layers as they are wound: thin ones at zero pressure, others at half of their own pressure.
+    """Layers as they are wound: under half of their own pressure.
 
     Parameters
     ----------
-    thin : StageEquations
-        The equations with thin layers.
+    equations : StageEquations
+        The boundary-value problem of every stage.
     tension : Tension
+        Wound-on stress over the radius, and its kinks.
     thickness : float
         h [m]; 0 in the limit of thin layers.
+    centrifugal : float
+        c = rho V^2 while they are wound [Pa].
     """
 
-    thin: StageEquations
+    equations: StageEquations
     tension: Tension
-    thickness: float = 0.0
+    thickness: float
+    centrifugal: float = 0.0
+
+    @property
+    def thin(self) -> Layers:
+        """The layers in the limit of thin ones under the same stress."""
+        return replace(self, thickness=0.0)
+
+    @property
+    def at_rest(self) -> Layers:
+        """The same layers, wound under the same pressure, after the roll has stopped."""
+        return replace(self, equations=self.equations.at_rest)
 
     def own_pressure(self, x: Array) -> Array:
         """Return the pressure p = (T - c) h/(2 r) under which a layer is wound at ln r [Pa]."""
         r = np.exp(x)
-        pressing = self.tension.at(r) - self.thin.centrifugal
-        return np.asarray(pressing * self.thickness / (2 * r))
+        return np.asarray((self.tension.at(r) - self.centrifugal) * self.thickness / (2 * r))
 
-    @property
-    def equations(self) -> StageEquations:
-        """The equations of the stages; not kept, because they refer to these layers."""
+    def own_slope(self, x: Array, side: int | Array) -> Array:
+        """Return dp/d ln r [Pa]; at a kink of T, that of its inner (-1) or outer (1) side."""
+        return self.tension.slope(np.exp(x), side) * self.thickness / 2 - self.own_pressure(x)
+
+    def total(self, x: Array, P: Array, Q: Array) -> tuple[Array, Array]:
+        """Return the total pressure P + p at nodes ln r and r times its gradient, (n + 1,) [Pa].
+
+        At a kink the gradient is that of its outer side.
+        """
+        side = np.append(np.ones(x.size - 1), -1)
+        return P + self.own_pressure(x), Q + self.own_slope(x, side)
+
+    def additional(self, x: Array, total: Array, gradient: Array) -> tuple[Array, Array]:
+        """Return P and Q from the total pressure and its gradient, as of :meth:`total` [Pa]."""
+        p, slope = self.total(x, np.zeros(x.size), np.zeros(x.size))
+        return total - p, gradient - slope
+
+    def own(self, nodes: Array) -> OwnPressure | None:
+        """Return p and F(p) at nodes ln r (n + 1,) and in mid-cell; None for thin layers."""
         if not self.thickness:
-            return self.thin
-        return replace(self.thin, own_pressure=self.own_pressure)
+            return None
+        p = self.own_pressure(np.concatenate([nodes, (nodes[1:] + nodes[:-1]) / 2]))
+        return OwnPressure(p, np.asarray(self.equations.strain(p)))
 
 
 class _Roll:
@@ -421,7 +448,13 @@ class _Roll:
         points = points_of_cells(nodes)
         by_kappa = -self.tension.at(np.exp(points)) * previous.lagrange_basis(surface, points)
         solved = self.equations.solve_with_growth(
-            StageData(nodes, source, self.T_c, laid_tension=self.tension.at(np.exp(nodes[-1:]))),
+            StageData(
+                nodes,
+                source,
+                self.T_c,
+                laid_tension=self.tension.at(np.exp(nodes[-1:])),
+                own=self.layers.own(nodes),
+            ),
             GrowthEffect(np.zeros((points.size, 1), dtype=int), by_kappa[:, None]),
             *self._stretched_guess(nodes),
             np.array([kappa]),

@@ -7,7 +7,15 @@ from math import inf
 import numpy as np
 
 from ..results import Residuals, largest
-from .finished import FinalChanges, core_gap, equations_of, finished_zones
+from .finished import (
+    FinalChanges,
+    additional_pressure,
+    core_gap,
+    finished_zones,
+    layers_of,
+    opening,
+    strains_of_layers,
+)
 from .roll_fields import RollFields
 from .stage_nodes import cell_source
 
@@ -33,19 +41,18 @@ def certificate(result: RollFields) -> Residuals:
         Largest negative pressure, relative to the largest pressure.
     """
     problem, stack = result.problem, result.problem.stack
-    curve, E_t, nu = problem.tension_curve, stack.tangential, stack.poissons_ratio
+    curve, E_t, layers = problem.tension_curve, stack.tangential, layers_of(problem).at_rest
     r, P, Q = result.radius, result.pressure, result.pressure_gradient
     x, T = np.log(r), curve.at(r)
     unit, changes = float(T[0]), FinalChanges(problem)
     source = changes.added_to(cell_source(curve, result.kappa, x), x)
     radii = [problem.core.radius, result.stage_radius[-1]]
     zones = finished_zones(problem, P, Q)
-    stage = zones.stage(x, source, unit + changes.core, np.zeros(x.size))
-    equations = equations_of(problem).at_rest
-    residual, _ = equations.residual(stage, P[zones.nodes], Q[zones.nodes])
+    stage = zones.stage(layers, x, source, unit + changes.core)
+    added, added_Q = (values[zones.nodes] for values in additional_pressure(result))
+    residual, _ = layers.equations.residual(stage, added, added_Q)
     ends = np.append(2 * stage.firsts, 2 * stage.lasts + 1)  # the other rows are of cells
-    hoop = -(P + Q)
-    strain = (hoop + nu * P) / E_t + changes.along(r)
+    strains = strains_of_layers(problem, r, P, Q)
     expected = np.append(source.left, source.right[-1])  # at the nodes, as reported
     # a core that is not removed may not penetrate the roll
     overlap = 0.0 if problem.core_removed else float(-core_gap(result)) * E_t / r[0]
@@ -54,11 +61,11 @@ def certificate(result: RollFields) -> Residuals:
         equilibrium=largest(np.abs(np.delete(residual, ends))) / unit,
         core_condition=max(abs(float(residual[0])), overlap) / unit,
         free_surface=largest(np.abs(residual[ends[1:]])) / unit,
-        **({"open_layers": largest(-expected[is_open]) / unit} if is_open.any() else {}),
+        **({"open_layers": largest(-opening(result)) * E_t / unit} if is_open.any() else {}),
         frozen_source=largest(np.abs(result.source - expected)) / largest(np.abs(expected)),
-        hoop_stress=largest(np.abs(result.hoop_stress - hoop)) / unit,
-        layer_strain=largest(np.abs(result.layer_strain - strain)) * E_t / unit,
-        displacement=largest(np.abs(result.displacement / r - (strain - T / E_t))) * E_t / unit,
+        hoop_stress=largest(np.abs(result.hoop_stress - strains.hoop_stress)) / unit,
+        layer_strain=largest(np.abs(result.layer_strain - strains.layer_strain)) * E_t / unit,
+        displacement=largest(np.abs(result.displacement - strains.displacement) / r) * E_t / unit,
         radial_modulus=largest(np.abs(result.radial_modulus / stack.radial.modulus(P) - 1)),
         positive_pressure=largest(-P) / max(float(np.max(np.abs(P))), 1e-300),
         roll=largest(np.abs(r[[0, -1]] / radii - 1)) if _stages_are_valid(result) else inf,

@@ -1,10 +1,20 @@
 """The inverse problem: the wound-on tension that gives a target pressure.
 
-A target P(r) has the source C = r^2 P'' + 3 r P' + P - E_t F(P), the same at every stage of the
-build-up.  Each stage is therefore independent of the previous ones: with the surface at s, the
-pressure solves the equations of :mod:`.equations` with this C and P(s) = 0, and its slope there is
-the tension, T(s) = -r P'.  At the core, T = b P - r P' by the core condition.  No optimiser is
-needed.
+In the limit of thin layers a target P(r) has the source C = r^2 P'' + 3 r P' + P - E_t F(P), the
+same at every stage of the build-up.  Each stage is therefore independent of the previous ones: with
+the surface at s, the pressure solves the equations of :mod:`.equations` with this C and P(s) = 0,
+and its slope there is the tension, T(s) = -r P'.  At the core, T = b P - r P' by the core
+condition.  No optimiser is needed.
+
+The pressure p = T h/2r under which layers of the thickness h are wound (:class:`.Layers`) depends
+on the tension.  It is that by the tension of the limit of thin layers, then that by the tension
+found with it, and so on: as p changes the tension by the part h/r or so, few repetitions suffice.
+With L = (D + 1)^2, D = d/d ln r, and r p = T h/2
+
+    C = L P - L p - E_t (F(P) - F(p)),    L p = h D^2 T/2r.
+
+The second derivative of T is a central difference over SPAN layers on either side: shorter changes
+of the tension, such as those on the core, have no meaning in these equations.
 
 The pressure at the surface is zero, whatever the target is.  In an outer layer, in which the
 pressure rises, the pressure differs from the target; the result has the depth of this layer and the
@@ -13,9 +23,9 @@ largest difference.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 
@@ -28,12 +38,10 @@ from ..problems.permitted import is_within
 from ..problems.roll import RollProblem
 from ..problems.schedules import Profile, Schedule
 from ..quantities import stress
+from .build_up import Layers
 from .equations import StageData, StageSolution, interpolate_pressure
-from .finished import equations_of
+from .finished import layers_of
 from .stage_nodes import evaluate_in_cells, nodes_between
-
-if TYPE_CHECKING:
-    from .equations import StageEquations
 
 __all__ = ["TensionDesign", "design_tension"]
 
@@ -44,6 +52,9 @@ FIRST_RADII = 40  # radii of the tension before refinement
 MAX_RADII = 4000
 ONE_SIDED = 1e-12  # of ln r
 INTERPOLATION_SHARE = 0.5  # of rtol: accepted interpolation error of the tension between radii
+REPETITION_SHARE = 0.1  # of rtol: accepted change of the tension by the last repetition
+SPAN = 4  # layers on either side, for the second derivative of the tension
+MOST_REPETITIONS = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,19 +153,66 @@ def design_tension(
             "moisture_change and core_shrinkage 0, core_removed false",
         )
     target = _TargetPressure(problem, _as_profile(problem, _Target(pressure=pressure).pressure))
-    stages = _TargetStages(equations_of(problem), target)
-    x = _refined_radii(stages, rtol)
-    WOT = np.array([stages.tension(s) for s in x]) * problem.web_thickness
-    schedule = Profile(radius=_radii(problem, x).tolist(), value=WOT.tolist(), between="smooth")
-    nodes, finished = stages.solved[x[-1]]
-    finished = stages.at_rest(nodes, finished)
-    return TensionDesign(
-        problem.replace(wound_on_tension=schedule),
-        _radii(problem, nodes),
-        target.pressure(nodes),
-        finished.P,
-        rtol,
-    )
+    layers, last = layers_of(problem).thin, np.inf
+    for _ in range(MOST_REPETITIONS):
+        stages = _TargetStages(layers, target)
+        x = _refined_radii(stages, rtol)
+        T = np.array([stages.tension(s) for s in x])
+        smooth = _SmoothTension(x, T)
+        if isinstance(layers.tension, _SmoothTension):
+            last = layers.tension.difference(smooth)
+        if last <= REPETITION_SHARE * rtol:
+            break
+        layers = replace(layers_of(problem), tension=smooth)
+    else:
+        raise NotConverged(
+            "the layers are so thick that the tension is not found: its last change is "
+            f"{100 * last:.2g}%"
+        )
+    r = _radii(problem, x)
+    WOT = T * problem.web_thickness
+    schedule = Profile(radius=r.tolist(), value=WOT.tolist(), between="smooth")
+    design = problem.replace(wound_on_tension=schedule)
+    nodes, P = stages.finished_pressure(layers_of(design))
+    return TensionDesign(design, _radii(problem, nodes), target.pressure(nodes), P, rtol)
+
+
+class _SmoothTension:
+    """A cubic spline of the wound-on stress over ln r [Pa]; see :class:`.Tension`.
+
+    Parameters
+    ----------
+    x, T : (k,) arrays
+        ln r from core to surface, and the stress there [Pa].
+    """
+
+    def __init__(self, x: Array, T: Array) -> None:
+        from scipy.interpolate import CubicSpline
+
+        self.x, self.T = x, T
+        self.spline = CubicSpline(x, T)
+        self.kinks = self.bends = np.zeros(0)
+
+    def at(self, r: Array) -> Array:
+        """Return T at radii [Pa]."""
+        return np.asarray(self.spline(np.log(r)))
+
+    def slope(self, r: Array, side: int | Array) -> Array:
+        """Return dT/dr [Pa/m]; a spline has no kinks, whose side is the second argument."""
+        return np.asarray(self.spline(np.log(r), 1) / r)
+
+    def second(self, x: Array, step: Array) -> Array:
+        """Return the second difference by ln r over steps (k,) of it, (k,) [Pa].
+
+        Within a step of core and surface it is that at this step from them.
+        """
+        x = np.clip(x, self.x[0] + step, self.x[-1] - step)
+        T = self.spline
+        return np.asarray((T(x + step) - 2 * T(x) + T(x - step)) / step**2)
+
+    def difference(self, other: _SmoothTension) -> float:
+        """Return the largest relative difference from another tension, at its points [1]."""
+        return float(np.max(np.abs(self.spline(other.x) / other.T - 1)))
 
 
 def _radii(problem: RollProblem, x: Array) -> Array:
@@ -235,11 +293,8 @@ class _TargetPressure:
         """Return r P' at x = ln r [Pa]."""
         return np.asarray(self._slope(x))
 
-    def source(self, x: Array, _: Array) -> Array:
-        """Return C = D^2 P + 2 D P + P - E_t F(P) at x = ln r, D = d/dx [Pa].
-
-        The side of a kink, the second argument, has no effect: a pressure has no kinks.
-        """
+    def source_of_thin_layers(self, x: Array) -> Array:
+        """Return D^2 P + 2 D P + P - E_t F(P) at x = ln r, D = d/dx [Pa]."""
         P, E_t = self.pressure(x), self.problem.stack.tangential
         return np.asarray(self._curvature(x) + 2 * self.slope(x) + P - E_t * self.strain(P))
 
@@ -257,10 +312,13 @@ class _TargetStages:
         Nodes and solution of each solved stage by ln r of its surface.
     """
 
-    def __init__(self, equations: StageEquations, target: _TargetPressure) -> None:
-        self.equations, self.target = equations, target
+    def __init__(self, layers: Layers, target: _TargetPressure) -> None:
+        self.layers, self.equations, self.target = layers, layers.equations, target
         core = target.knots[:1]
-        self.T_c = float((equations.core * target.pressure(core) - target.slope(core))[0])
+        P, Q = target.pressure(core), target.slope(core)
+        if layers.thickness:
+            P, Q = P - layers.own_pressure(core), Q - layers.own_slope(core, 1)
+        self.T_c = float((self.equations.core * P - Q)[0])
         self.solved: dict[float, tuple[Array, StageSolution]] = {}
         law, E_t = target.problem.stack.radial, target.problem.stack.tangential
         E = float(law.modulus(0.0))
@@ -285,16 +343,35 @@ class _TargetStages:
             "raise the pressure there, or lower it at smaller radii",
         )
 
-    def at_rest(self, nodes: Array, running: StageSolution) -> StageSolution:
-        """Return a solved stage with its nodes ln r after the roll has stopped."""
-        if not self.equations.centrifugal:
-            return running
-        source = evaluate_in_cells(nodes, self.target.source)
-        stage = StageData(nodes, source, self.T_c)
-        solved = self.equations.at_rest.solve(stage, running.P, running.Q)
+    def source(self, x: Array, _: Array) -> Array:
+        """Return C at x = ln r [Pa]; it has no kinks, whose side is the second argument."""
+        C, layers = self.target.source_of_thin_layers(x), self.layers
+        if not layers.thickness:
+            return C
+        assert isinstance(layers.tension, _SmoothTension)
+        F = self.equations.strain(layers.own_pressure(x))
+        h = layers.thickness / np.exp(x)  # in ln r
+        by_tension = h / 2 * layers.tension.second(x, SPAN * h)
+        return np.asarray(C + self.equations.tangential * F - by_tension)
+
+    def finished_pressure(self, layers: Layers) -> tuple[Array, Array]:
+        """Return ln r of nodes, and the pressure of the finished roll of these layers there [Pa].
+
+        They are wound with the tension of the stages, whose source the roll has.
+        """
+        x = max(self.solved)
+        nodes, wound = self.solved[x]
+        own = layers.own_pressure(nodes)
+        stage = replace(self._stage(nodes), surface_pressure=-own[-1], own=layers.own(nodes))
+        solved = layers.equations.at_rest.solve(stage, wound.P, wound.Q)
         if solved is None:
             raise NotConverged("the finished roll has no equilibrium at rest")
-        return solved
+        return nodes, np.asarray(solved.P + own)
+
+    def _stage(self, nodes: Array) -> StageData:
+        """Return the equations of a stage with the nodes ln r."""
+        source = evaluate_in_cells(nodes, self.source)
+        return StageData(nodes, source, self.T_c, own=self.layers.own(nodes))
 
     def _solve_stage(self, x: float) -> StageSolution:
         """Return the solved stage with the surface at ln r = x."""
@@ -304,8 +381,7 @@ class _TargetStages:
             kinks = knots[1:-1] if knots.size < CELLS else None
             nodes = nodes_between(knots[0], x, CELLS, self.surface_layer, kinks)
             guess = self._guess(x, nodes)
-            source = evaluate_in_cells(nodes, self.target.source)
-            solved = self.equations.solve(StageData(nodes, source, self.T_c), *guess)
+            solved = self.equations.solve(self._stage(nodes), *guess)
             if solved is None:
                 raise NotConverged(f"no stage at the radius {np.exp(x):.6g} m has this pressure")
             self.solved[x] = nodes, solved

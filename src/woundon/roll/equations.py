@@ -12,18 +12,17 @@ Q = r P' and D = d/dx:
     D P = Q
     D Q = C + E_t F(P) - P - 2 Q          on the interval from the core to the surface s
     Q = b P - T_c       at the core,  b = E_t/E_c - 1 + nu,  T_c = T(r_c)
-    P = P_s             at s: zero, except in a finished roll of layers of finite thickness
-
-Off its core a finished roll has P + p = 0 at its innermost radius instead of the core condition; p
-is zero except with layers of finite thickness.
+    P = P_s             at s: zero while further layers are wound
 
 A further thin layer adds p = dP/ds, the solution of the linearised equations with T_c = 0, scaled
 to p = 1 at s.  Its growth kappa = D p at s determines C of the next layer:
 
     C(s) = -s T' - T (2 + kappa)
 
-Layers of finite thickness (:class:`.Layers`) are wound under a pressure p(r).  P is then the
-pressure in addition to p, and F(P) is replaced by F(P + p) - F(p).
+Layers are wound under the pressure p(r) of half a layer (:class:`.Layers`).  P is the pressure in
+addition to p, the *total* is P + p, and F(P) is replaced by F(P + p) - F(p).  In a finished roll
+the total is zero at the surface, P_s = -p, and off its core also at its innermost radius, instead
+of the core condition.
 
 It follows that -D P = T at s; the residual of this relation measures the error of the source.
 
@@ -72,6 +71,7 @@ from scipy.linalg import lapack
 __all__ = [
     "CellSource",
     "GrowthEffect",
+    "OwnPressure",
     "StageData",
     "StageEquations",
     "StageSolution",
@@ -99,6 +99,17 @@ class CellSource(NamedTuple):
     right: Array
 
 
+class OwnPressure(NamedTuple):
+    """Pressure p under which layers are wound [Pa], and their compression F(p), at some points."""
+
+    pressure: Array
+    strain: Array
+
+    def part(self, points: slice) -> OwnPressure:
+        """Return the values at some of the points."""
+        return OwnPressure(self.pressure[points], self.strain[points])
+
+
 @dataclass
 class StageData:
     """Nodes, source and boundary values of one stage, or of J stages, one after the other.
@@ -117,6 +128,9 @@ class StageData:
         True for a stage without contact at its innermost radius.
     laid_tension : float or (J,) array
         T of the outermost layer [Pa], on which only kappa of a running roll depends.
+    own : OwnPressure, optional
+        At the nodes, then in mid-cell, (2 n + 1,) each; without it zero, in the limit of thin
+        layers.
     gaps : (J - 1,) int array
         Last node of each stage but the last one, which is also the number of the gap behind it
         among the cells.
@@ -129,6 +143,7 @@ class StageData:
     off_core: bool | Array = False
     gaps: Array = field(default_factory=lambda: np.zeros(0, dtype=int))
     laid_tension: float | Array = np.nan
+    own: OwnPressure | None = None
 
     @cached_property
     def firsts(self) -> Array:
@@ -151,6 +166,10 @@ class StageData:
         h = self.x[1:] - self.x[:-1]
         h[self.gaps] = 0.0
         return h
+
+    def total(self, P: Array) -> Array:
+        """Return P + p for P at the nodes, (n + 1,), or also in mid-cell, (2 n + 1,) [Pa]."""
+        return P if self.own is None else P + self.own.pressure[: P.size]
 
     def with_source_changed(self, change: CellSource) -> StageData:
         """Return the stages with a change added to the source."""
@@ -246,8 +265,6 @@ class StageEquations:
         E_t [Pa].
     core : float
         b = E_t/E_c - 1 + nu.
-    own_pressure : callable, optional
-        p(ln r), the pressure under which layers are wound [Pa]; without it zero.
     centrifugal : float
         c = rho V^2 of a running roll [Pa]; zero at rest.
     poissons_ratio : float
@@ -259,7 +276,6 @@ class StageEquations:
     modulus_slope: Callable[[Array], Any]
     tangential: float
     core: float
-    own_pressure: Callable[[Array], Array] | None = None
     centrifugal: float = 0.0
     poissons_ratio: float = 0.0
     steps: int = field(default=0, init=False)  # number of linear systems
@@ -297,18 +313,13 @@ class StageEquations:
         shares = np.zeros(stage.lasts.size)
         return shares + self.centrifugal / stage.laid_tension if self.centrifugal else shares
 
-    def total(self, x: Array, P: Array) -> Array:
-        """Return P + p at ln r = x, p the pressure under which the layers are wound [Pa]."""
-        return P if self.own_pressure is None else P + self.own_pressure(x)
-
-    def _slope_of_Q(self, x: Array, P: Array, Q: Array) -> Array:
-        """Return dQ/dx - C = E_t F(P) - P - 2 Q at x = ln r [Pa], C the source.
-
-        Layers wound under a pressure p have F(P + p) - F(p) in place of F(P).
-        """
-        F = self.strain(self.total(x, P))
-        if self.own_pressure is not None:
-            F = F - self.strain(self.own_pressure(x))
+    def _slope_of_Q(self, P: Array, Q: Array, own: OwnPressure | None, points: slice) -> Array:
+        """Return dQ/dx - C = E_t (F(P + p) - F(p)) - P - 2 Q at points of ``own`` [Pa]."""
+        if own is None:
+            F = self.strain(P)
+        else:
+            own = own.part(points)
+            F = self.strain(P + own.pressure) - own.strain
         return np.asarray(self.tangential * F - P - 2 * Q)
 
     def residual(self, stage: StageData, P: Array, Q: Array) -> tuple[Array, Array]:
@@ -328,11 +339,12 @@ class StageEquations:
             source = stage.with_source_changed(self._rotation_source(stage)).source
         else:
             source = stage.source
-        slope = self._slope_of_Q(x, P, Q)
+        nodes, cells = slice(x.size), slice(x.size, None)
+        slope = self._slope_of_Q(P, Q, stage.own, nodes)
         left, right = slope[:-1] + source.left, slope[1:] + source.right
         middle_P = (P[1:] + P[:-1]) / 2 - h / 8 * (Q[1:] - Q[:-1])
         middle_Q = (Q[1:] + Q[:-1]) / 2 - h / 8 * (right - left)
-        middle = self._slope_of_Q(x[:-1] + h / 2, middle_P, middle_Q) + source.middle
+        middle = self._slope_of_Q(middle_P, middle_Q, stage.own, cells) + source.middle
         out = np.empty(2 * x.size)
         out[1:-1:2] = P[1:] - P[:-1] - h / 6 * (Q[:-1] + 4 * middle_Q + Q[1:])
         out[2:-1:2] = Q[1:] - Q[:-1] - h / 6 * (left + 4 * middle + right)
@@ -340,16 +352,15 @@ class StageEquations:
         B = self.rotation_stress(stage.depths[firsts])
         out[2 * firsts] = np.where(
             stage.off_core,
-            self.total(x[firsts], P[firsts]),
+            stage.total(P)[firsts],
             Q[firsts] - self.core * P[firsts] + stage.tension - B,
         )
         out[2 * lasts + 1] = P[lasts] - stage.surface_pressure
         return out, middle_P
 
-    def _moduli(self, x: Array, P: Array, middle_P: Array) -> Array:
+    def _moduli(self, stage: StageData, P: Array, middle_P: Array) -> Array:
         """Return E_r at the nodes, then in mid-cell, (2 n + 1,) [Pa]."""
-        points = np.concatenate([x, (x[1:] + x[:-1]) / 2])
-        return np.asarray(self.modulus(self.total(points, np.concatenate([P, middle_P]))))
+        return np.asarray(self.modulus(stage.total(np.concatenate([P, middle_P]))))
 
     def _matrix(self, stage: StageData, E: Array) -> Array:
         """Return the Jacobian of the residual with respect to P and Q in LAPACK's band storage.
@@ -396,7 +407,7 @@ class StageEquations:
         ------
         SingularStageError
         """
-        E = self._moduli(stage.x, P, middle_P)
+        E = self._moduli(stage, P, middle_P)
         self.steps += 1
         factors, pivots, info = lapack.dgbtrf(self._matrix(stage, E), BAND, BAND, overwrite_ab=1)
         if info != 0:
@@ -493,7 +504,7 @@ class StageEquations:
         half = stage.lengths / 2
         quadrature = np.exp(2 * stage.depths) * (np.append(half, 0) + np.append(0, half))
         # some laws have an infinite slope at P = 0, where p has no effect
-        E_slope = self.modulus_slope(self.total(stage.x, P))
+        E_slope = self.modulus_slope(stage.total(P))
         E_slope = np.where(np.isfinite(E_slope), E_slope, 0.0)
         return np.asarray(-quadrature * layer * unit_layer * self.tangential * E_slope / E**2)
 

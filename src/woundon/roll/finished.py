@@ -12,12 +12,13 @@ The core may be removed or shrink away from the roll, and layers may part (:mod:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..errors import NotConverged
 from ..problems.schedules import Profile
+from .build_up import Layers
 from .equations import (
     CellSource,
     StageData,
@@ -43,11 +44,17 @@ __all__ = [
     "FEWEST_CELLS",
     "ROUNDING",
     "FinalChanges",
+    "LayerStrains",
+    "additional_pressure",
+    "bore_displacement",
     "core_gap",
     "equations_of",
     "finished_arrays",
     "finished_zones",
+    "layers_of",
+    "middle_of_layers",
     "opening",
+    "strains_of_layers",
     "surface_layer_depth",
     "with_nodes",
 ]
@@ -81,6 +88,12 @@ def equations_of(problem: RollProblem) -> StageEquations:
         centrifugal=problem.centrifugal_stress,
         poissons_ratio=stack.poissons_ratio,
     )
+
+
+def layers_of(problem: RollProblem) -> Layers:
+    """Return the layers of a roll as they are wound."""
+    h = float(problem.web_thickness)
+    return Layers(equations_of(problem), problem.tension_curve, h, problem.centrifugal_stress)
 
 
 def surface_layer_depth(problem: RollProblem) -> float:
@@ -143,26 +156,96 @@ class FinalChanges:
 def core_gap(result: RollFields) -> float:
     """Return the gap between core and roll of a roll result [m], zero if they touch.
 
-    It follows from the core condition: (b P - T_c - Q) r_c/E_t, with P = 0.  Nan for a core that is
-    removed.
+    It follows from the core condition: (b P - T_c - Q) r_c/E_t without contact.  Nan for a core
+    that is removed.
     """
-    problem, P, Q = result.problem, result.pressure[0], result.pressure_gradient[0]
+    problem, equations = result.problem, equations_of(result.problem)
     if problem.core_removed:
         return float("nan")
-    if P != 0:
+    if result.pressure[0] != 0:
         return 0.0
     r_c = problem.core.radius
     T_c = float(problem.tension_curve.at(np.array([r_c]))[0]) + FinalChanges(problem).core
-    return float(-(T_c + Q) * r_c / problem.stack.tangential)
+    P, Q = (values[0] for values in additional_pressure(result))
+    return float((equations.core * P - T_c - Q) * r_c / problem.stack.tangential)
+
+
+def additional_pressure(result: RollFields) -> tuple[Array, Array]:
+    """Return P and Q, the unknowns of :mod:`.equations`, at the nodes of a roll result [Pa].
+
+    P is the pressure in addition to that under which the layers were wound.
+    """
+    return layers_of(result.problem).additional(
+        np.log(result.radius), result.pressure, result.pressure_gradient
+    )
+
+
+def bore_displacement(result: RollFields) -> float:
+    """Return the outward displacement of the inner face of a roll since its first layer [m].
+
+    It is r_c times the strain of the layers at the core since they were wound under p,
+    ((nu - 1) P - Q - T_c)/E_t, plus p/E_c: the first layer was laid on the core with 2 p.  On the
+    core it is -r_c (P - p)/E_c, the total pressure less 2 p, by the core condition.  Half of the
+    gap between the first two open layers counts for the first one.
+    """
+    problem, stack, r_c = result.problem, result.problem.stack, result.radius[:1]
+    P, Q = (values[:1] for values in additional_pressure(result))
+    p = layers_of(problem).own_pressure(np.log(r_c))
+    strain = ((stack.poissons_ratio - 1) * P - Q - problem.tension_curve.at(r_c)) / stack.tangential
+    strain += p / problem.core.effective_stiffness + FinalChanges(problem).along(r_c)
+    half_gap = float(opening(result)[0]) * float(problem.web_thickness) / 2
+    return float((r_c * strain)[0]) + half_gap
 
 
 def opening(result: RollFields) -> Array:
     """Return the radial strain by gaps between open layers of a roll result, (M,) [1].
 
-    It is C/E_t, and zero where the layers are in contact.
+    It is C/E_t less the compression of the layers as wound, zero where they are in contact.
     """
     is_open = (result.pressure == 0) & (result.pressure_gradient == 0)
-    return np.where(is_open, result.source / result.problem.stack.tangential, 0.0)
+    layers, E_t = layers_of(result.problem), result.problem.stack.tangential
+    wound = layers.equations.strain(layers.own_pressure(np.log(result.radius)))
+    return np.where(is_open, result.source / E_t - wound, 0.0)
+
+
+class LayerStrains(NamedTuple):
+    """Hoop stress [Pa] of the layers of a finished roll, strain [1] and displacement [m], (M,)."""
+
+    hoop_stress: Array
+    displacement: Array
+    layer_strain: Array
+
+
+def strains_of_layers(problem: RollProblem, r: Array, P: Array, Q: Array) -> LayerStrains:
+    """Return the hoop stress of a finished roll, and what follows from it by the law of the stack.
+
+    The displacement is that since the layer was wound, with the hoop stress T under the mean
+    pressure p.
+
+    Parameters
+    ----------
+    problem : RollProblem
+    r, P, Q : (M,) arrays
+        Nodes [m], total pressure and r times its gradient [Pa].
+    """
+    stack, layers = problem.stack, layers_of(problem)
+    x = np.log(middle_of_layers(r, r, layers.thickness))
+    P, Q = interpolate_pressure(np.log(r), P, Q, x)
+    E_t, nu, hoop = stack.tangential, stack.poissons_ratio, -(P + Q)
+    strain = (hoop + nu * P) / E_t + FinalChanges(problem).along(r)
+    wound = (problem.tension_curve.at(r) + nu * layers.own_pressure(x)) / E_t
+    return LayerStrains(hoop, r * (strain - wound), strain)
+
+
+def middle_of_layers(r: Array, radius: Array, thickness: float) -> Array:
+    """Return radii at which the hoop stress is that of the layers at r, (k,) each [m].
+
+    -(P + r P') is the mean hoop stress of the layer with its middle at r.  The innermost and the
+    outermost layer of a roll, ``radius`` from core to surface, have it at all radii within them.
+    """
+    middle = (radius[0] + radius[-1]) / 2
+    inner, outer = min(radius[0] + thickness / 2, middle), max(radius[-1] - thickness / 2, middle)
+    return np.clip(r, inner, outer)
 
 
 def finished_arrays(
@@ -178,7 +261,7 @@ def finished_arrays(
     growth : Growth
         Kappa at the stages of the build-up, from which the source follows.
     solved : StageSolution
-        Pressure as wound, the initial guess of that at rest after the changes.
+        As wound, the initial guess of that at rest after the changes.
 
     Returns
     -------
@@ -190,23 +273,17 @@ def finished_arrays(
     NotConverged
         If no equilibrium exists after the changes.
     """
-    equations, curve, stack = equations_of(problem).at_rest, problem.tension_curve, problem.stack
-    x, P, Q = _finished_state(problem, equations, x, growth, solved)
+    layers, curve, stack = layers_of(problem).at_rest, problem.tension_curve, problem.stack
+    x, P, Q = _finished_state(problem, layers, x, growth, solved)
     r = np.exp(x)
     r[0], r[-1] = problem.core.radius, problem.radius  # without the rounding error of exp(ln r)
     T, changes = curve.at(r), FinalChanges(problem)
     source = changes.added_to(cell_source(curve, growth, x), x)
-    E_t = stack.tangential
-    hoop = -(P + Q)
-    strain = (hoop + stack.poissons_ratio * P) / E_t
-    strain = strain + changes.along(r)
+    strains = strains_of_layers(problem, r, P, Q)
     return {
         "radius": r,
         "pressure": P,
-        "hoop_stress": hoop,
-        # since the layer was wound with the strain T/E_t
-        "displacement": r * (strain - T / E_t),
-        "layer_strain": strain,
+        **strains._asdict(),
         "radial_modulus": stack.radial.modulus(P),
         # at a kink, the source of its outer side
         "source": np.append(source.left, source.right[-1]),
@@ -214,22 +291,22 @@ def finished_arrays(
         "stage_radius": np.exp(growth.x),
         "growth": growth.kappa,
         "stage_order": growth.point_counts,
-        # nan until layers of a finite thickness are computed (ThinLayerRoll.with_finite_layers)
-        "layer_growth": np.full_like(growth.kappa, np.nan),
+        # nan until the limit of thin layers is computed (WoundRoll.certified)
+        "thin_layer_growth": np.full_like(growth.kappa, np.nan),
         # -r P' = T - c at the surface of the roll as wound, except for the discretisation error
         "surface_slope": float(-solved.Q[-1] / (T[-1] - problem.centrifugal_stress) - 1),
-        "steps": equations.steps,
+        "steps": layers.equations.steps,
     }
 
 
 def _finished_state(
     problem: RollProblem,
-    equations: StageEquations,
+    layers: Layers,
     x: Array,
     growth: Growth,
     wound: StageSolution,
 ) -> tuple[Array, Array, Array]:
-    """Return nodes ln r, P and Q of the finished roll, (M,) arrays [Pa].
+    """Return nodes ln r, total pressure and r times its gradient in the finished roll, (M,) [Pa].
 
     The nodes differ from those of the roll as wound if layers have parted, and by the kinks of the
     changes.
@@ -237,8 +314,8 @@ def _finished_state(
     Parameters
     ----------
     problem : RollProblem
-    equations : StageEquations
-        Of thin layers.
+    layers : Layers
+        Of the roll at rest.
     x : (n + 1,) array
         ln r of the nodes as wound.
     growth : Growth
@@ -267,7 +344,7 @@ def _finished_state(
         order = np.argsort(kinks)
         cells = max(x.size - 1 - curve.kinks.size, FEWEST_CELLS)
         depth = surface_layer_depth(problem)
-        layer = equations.core_layer
+        layer = layers.equations.core_layer
         return nodes_between(inner, outer, cells, depth, kinks[order], jumps[order], layer)
 
     P, Q = wound.P, wound.Q
@@ -275,19 +352,23 @@ def _finished_state(
         with_kinks = with_nodes(x, changes.kinks)
         P, Q = interpolate_pressure(x, P, Q, with_kinks)
         x, wound = with_kinks, wound._replace(P=P, Q=Q)
-    data = StageData(x, source_at(x), T_c)
-    final = solve_on_core(equations, data, P, Q, removed)
+    own = layers.own_pressure(x)
+    data = StageData(x, source_at(x), T_c, -own[-1], own=layers.own(x))
+    final = solve_on_core(layers.equations, data, P, Q, removed)
     if final is None:
         raise NotConverged("no equilibrium after the changes of the finished roll")
-    (P, Q, _), off_core = final
+    solved, off_core = final
+    P, Q = layers.total(x, solved.P, solved.Q)
     if np.min(P) < -ROUNDING * np.max(np.abs(P)):
         try:
-            return with_open_layers(equations, source_at, nodes_of_zone, T_c, (x, wound.P), removed)
+            guess = x, wound.P + own
+            return with_open_layers(layers, source_at, nodes_of_zone, T_c, guess, removed)
         except NotSeparatedError as fault:
             text = f"after the changes of the finished roll {fault}"
             raise NotConverged(text) from None
+    P[-1] = 0.0  # without rounding
     if off_core[0]:
-        P[0] = 0.0  # without rounding: it marks a roll off its core
+        P[0] = 0.0  # it marks a roll off its core
     return x, P, Q
 
 

@@ -1,4 +1,9 @@
-"""Effects of finite layer thickness on a wound roll, relative to the limit of thin layers."""
+r"""Errors by the thickness of the layers of a wound roll.
+
+Pressures and stresses contain the thickness h of the layers to first order (:mod:`.build_up`).  The
+error by terms of higher order is estimated from the change by those of first order, relative to the
+limit of thin layers under the same stress.
+"""
 
 from __future__ import annotations
 
@@ -8,97 +13,105 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import NotConverged
-from .build_up import Layers
 from .equations import interpolate_pressure
-from .finished import FinalChanges, equations_of, finished_zones
+from .finished import (
+    FinalChanges,
+    additional_pressure,
+    equations_of,
+    finished_zones,
+    layers_of,
+    middle_of_layers,
+)
 from .roll_fields import RollFields
 from .separation import solve_on_core
-from .stage_nodes import cell_source
+from .stage_nodes import cell_source, evaluate_in_cells
 
 if TYPE_CHECKING:
     from ..problems.roll import RollProblem
 
-__all__ = [
-    "finite_layer_effects",
-    "finite_layer_stresses",
-    "layers_of",
-    "with_bore_displacement",
-]
+__all__ = ["finite_layer_errors", "finite_layer_stresses", "with_bore_displacement"]
 
 Array = np.ndarray
 
 NEIGHBOURHOOD = 0.15  # of the build-up, in which the largest error counts for the middle
-FEW_LAYERS = 1000  # in a roll of more layers a node is the beginning of a layer
-
-
-def layers_of(result: RollFields) -> Layers:
-    """Return the layers of a result with the thickness of its web, in place of thin layers."""
-    problem = result.problem
-    return Layers(equations_of(problem), problem.tension_curve, float(problem.web_thickness))
+SAFETY = 1.5  # of the terms of higher order, which are estimated for layers of constant moduli
+# Error by the law of the stack within a layer, relative to the change by the mean of F in it: at
+# most 0.04 against sums over layers.
+LAW_SHARE = 0.05
 
 
 def finite_layer_stresses(result: RollFields) -> tuple[Array, Array]:
-    """Return the changes of pressure and hoop stress by layers of finite thickness, (M,) each [Pa].
+    """Return the changes of pressure and hoop stress by the layer thickness, (M,) each [Pa].
 
-    They are relative to the limit of thin layers, at the nodes of the result, and nan if kappa with
-    layers of finite thickness has not been computed.
+    They are relative to the limit of thin layers, at the nodes of the result, and nan if kappa in
+    this limit has not been computed.
     """
     x = np.log(result.radius)
-    if np.isnan(result.layer_growth).any():
+    if np.isnan(result.thin_layer_growth).any():
         return np.full(x.size, np.nan), np.full(x.size, np.nan)
-    layers, changes = layers_of(result), FinalChanges(result.problem)
-    tension, h = layers.tension, layers.thickness
-    source = changes.added_to(cell_source(tension, result.layer_kappa, x), x)
-    T_c = float(tension.at(result.radius[:1])[0]) + changes.core
-    P, Q, own = result.pressure, result.pressure_gradient, layers.own_pressure(x)
-    # nothing presses on the outermost layer, nor on the ends of open zones, whose edges are kept
+    layers, changes = layers_of(result.problem), FinalChanges(result.problem)
+    thin = layers.at_rest.thin
+    source = changes.added_to(cell_source(thin.tension, result.thin_layer_kappa, x), x)
+    T_c = float(thin.tension.at(result.radius[:1])[0]) + changes.core
+    P, Q = result.pressure, result.pressure_gradient
+    # the ends of open zones are kept
     zones = finished_zones(result.problem, P, Q)
-    stage, part = zones.stage(x, source, T_c, -own), zones.nodes
+    stage, part = zones.stage(thin, x, source, T_c), zones.nodes
     never_on_core = zones.off_core.copy()
     never_on_core[0] = result.problem.core_removed or part[0] > 0
-    found = solve_on_core(layers.equations.at_rest, stage, P[part], Q[part], never_on_core)
+    found = solve_on_core(thin.equations, stage, P[part], Q[part], never_on_core)
     if found is None:
-        raise NotConverged("the roll with layers of the web thickness could not be solved", result)
-    solved = found[0]
-    # r p' = h T'/2 - p, at a kink on its outer side
-    side = np.append(np.ones(x.size - 1), -1)
-    hoop_of_own = -h / 2 * tension.slope(result.radius, side)
-    change = solved.P + (own - P)[part]
-    hoop_change = (P + Q + hoop_of_own)[part] - (solved.P + solved.Q)
-    return zones.spread(change, x.size), zones.spread(hoop_change, x.size)
+        raise NotConverged("the roll in the limit of thin layers could not be solved", result)
+    thin_P, thin_Q = (zones.spread(values, x.size) for values in found[0][:2])
+    middle = np.log(middle_of_layers(result.radius, result.radius, layers.thickness))
+    return P - thin_P, result.hoop_stress + sum(interpolate_pressure(x, thin_P, thin_Q, middle))
 
 
-def finite_layer_effects(result: RollFields) -> dict[str, float]:
-    """Return the change by finite layers of each output that has an error estimate [SI].
+def finite_layer_errors(result: RollFields) -> dict[str, float]:
+    """Return the error by the layer thickness of each output that has an error estimate [SI].
 
-    The hoop stress varies across a layer: its minimum is compared with that of a smooth curve
-    through the layers, and at both faces of the layers.  The change may have a zero in the middle
-    of the roll: its largest size in a neighbourhood counts.
+    It is that by the terms of higher order.  The change by those of first order may have a zero:
+    the largest error in a neighbourhood counts.
     """
-    change, hoop_change = finite_layer_stresses(result)
-    r, build_up = result.radius, result.radius[-1] - result.radius[0]
-    middle = r[0] + build_up * (0.5 + NEIGHBOURHOOD * np.array([-1.0, 1.0]))
-    near_middle = (middle[0] <= r) & (r <= middle[1])
-    size = np.abs(change) * _higher_order_factor(change, result.pressure)
-    factor = _factor_at_core(result)
-    size[0] = max(size[0], abs(change[0]) * factor)
-    # the smooth curve, and the inner and the outer faces
-    hoop = result.hoop_stress + hoop_change, *_hoop_stress_at_faces(result, change, hoop_change)
-    least, bore = float(np.min(result.hoop_stress)), float(result.hoop_stress[0])
-    at_bore = np.array([float(curve[0]) - bore for curve in hoop])
-    # of exponential and of algebraic decay
-    bore_factor = max(factor, float(np.max(_higher_order_factor(at_bore, np.array(abs(bore))))))
-    effects = {
+    change, _ = finite_layer_stresses(result)
+    r, x = result.radius, np.log(result.radius)
+    layers = layers_of(result.problem)
+    # p x/6 with x = (2 + kappa) h/r, the decrease of a layer's pressure per layer below it
+    decrease = np.abs(2 + result.kappa(x)) * layers.thickness / r
+    curvature = np.abs(np.gradient(result.pressure_gradient, x)) * (layers.thickness / r) ** 2
+    size = curvature / 12 + SAFETY * np.maximum(
+        np.abs(change) * (_higher_order_factor(change, result.pressure - change) - 1),
+        layers.own_pressure(x) * decrease / 6,
+    )
+    at_core = SAFETY * (_factor_at_core(result.problem) - 1)
+    if not result.is_off_core:
+        size[0] = max(size[0], abs(change[0]) * at_core)
+    of_law, of_law_hoop = (LAW_SHARE * values for values in _change_by_mean_compression(result))
+    # of P + r P', which jumps by h/2 times the jump of T' where that is within a layer
+    jump = np.abs(layers.own_slope(x, 1) - layers.own_slope(x, -1))
+    of_hoop = SAFETY * (size + np.abs(np.gradient(size, x))) + jump + of_law_hoop
+    size = size + of_law
+    # at a soft core r P' is determined by P
+    of_hoop[0] = max(of_hoop[0], abs(1 + layers.equations.core) * size[0])
+
+    def largest(values: Array, centre: float) -> float:
+        """Return the largest value in the neighbourhood of a radius [m]."""
+        ends = centre + NEIGHBOURHOOD * (r[-1] - r[0]) * np.array([-1.0, 1.0])
+        near = (ends[0] <= r) & (r <= ends[1])
+        return float(max(*np.interp(ends, r, values), *values[near]))
+
+    errors = {
         "peak_pressure": float(np.max(size)),
         "core_pressure": float(size[0]),
-        "mid_pressure": float(max(*np.interp(middle, r, size), *size[near_middle])),
-        "least_hoop_stress": max(
-            abs(float(np.min(curve)) - least) * (1.0 if np.argmin(curve) else bore_factor)
-            for curve in hoop
-        ),
-        "bore_hoop_stress": float(np.max(np.abs(at_bore))) * bore_factor,
+        "mid_pressure": largest(size, (r[0] + r[-1]) / 2),
+        "least_hoop_stress": largest(of_hoop, float(r[np.argmin(result.hoop_stress)])),
+        "bore_hoop_stress": largest(of_hoop, float(r[0])),
     }
-    return with_bore_displacement(result.problem, effects)
+    errors = with_bore_displacement(result.problem, errors)
+    # of the first layer, which pressed on the core with 2 p
+    first = 2 * float(layers.own_pressure(x[:1])[0]) / result.problem.core.effective_stiffness
+    errors["bore_displacement"] += float(r[0]) * first * at_core
+    return errors
 
 
 def with_bore_displacement(problem: RollProblem, errors: Mapping[str, float]) -> dict[str, float]:
@@ -110,6 +123,27 @@ def with_bore_displacement(problem: RollProblem, errors: Mapping[str, float]) ->
     stack, r_c = problem.stack, problem.core.radius
     stress = errors["bore_hoop_stress"] + stack.poissons_ratio * errors["core_pressure"]
     return {**errors, "bore_displacement": r_c * stress / stack.tangential}
+
+
+def _change_by_mean_compression(result: RollFields) -> tuple[Array, Array]:
+    """Return the changes of P and P + r P' if F(p) were the mean of F in a layer, (M,) each [Pa].
+
+    In a layer as it is wound the pressure is between 0 and 2 p.  By Simpson's rule the mean of F
+    exceeds F(p) by (F(2 p) - 2 F(p))/6.
+    """
+    layers, x = layers_of(result.problem).at_rest, np.log(result.radius)
+
+    def source(points: Array, _: Array) -> Array:
+        """Return the change of the source at ln r [Pa]."""
+        p, F = layers.own_pressure(points), layers.equations.strain
+        return np.asarray(layers.equations.tangential * (F(2 * p) - 2 * F(p)) / 6)
+
+    zones = finished_zones(result.problem, result.pressure, result.pressure_gradient)
+    P, Q = layers.equations.linear_response(
+        zones.stage(layers, x, evaluate_in_cells(x, source), 0.0),
+        *(values[zones.nodes] for values in additional_pressure(result)),
+    )
+    return zones.spread(np.abs(P), x.size), zones.spread(np.abs(P + Q), x.size)
 
 
 def _higher_order_factor(change: Array, pressure: Array) -> Array:
@@ -126,7 +160,7 @@ def _higher_order_factor(change: Array, pressure: Array) -> Array:
     return np.asarray((x / -np.expm1(-x) - 1) / (x / 2))
 
 
-def _factor_at_core(result: RollFields) -> float:
+def _factor_at_core(problem: RollProblem) -> float:
     """Return the factor of a change at the core that includes the terms of higher order.
 
     At a soft core, b > 0, the pressure on it by a layer at s is p/(1 + b ln(s/r_c)), not an
@@ -135,58 +169,9 @@ def _factor_at_core(result: RollFields) -> float:
     """
     from scipy.special import digamma
 
-    b, h = equations_of(result.problem).core, float(result.problem.web_thickness)
-    if b <= 0 or result.is_off_core:
+    b, h = equations_of(problem).core, float(problem.web_thickness)
+    if b <= 0:
         return 1.0
-    z = result.problem.core.radius / (b * h)
+    z = problem.core.radius / (b * h)
     # for large z, ln z and digamma cancel: their difference is 1/(2 z) + 1/(12 z^2) - ...
     return 1 + 1 / (6 * z) if z > 100 else float(2 * z * (np.log(z) - digamma(z)))
-
-
-def _hoop_stress_at_faces(
-    result: RollFields, change: Array, hoop_change: Array
-) -> tuple[Array, Array]:
-    """Return the hoop stress at the inner and at the outer face of layers [Pa].
-
-    The layers begin at the nodes, few layers at their own radii.  Equilibrium gives the mean hoop
-    stress of a layer from the pressures on its faces.  In a layer, wound with the stress T under
-    its own pressure P_own, the source of the equations of a stage is -T - E_t F(P_own), in a roll
-    that is wound at a speed less nu c, plus dC by the changes after winding:
-
-        r d sigma_t/dr = T + nu c - sigma_t - E_t (F(P) - F(P_own)) - dC = D,
-
-    integrated by Simpson's rule from D at the inner face, in the middle and at the outer face.
-
-    Parameters
-    ----------
-    result : RollResult
-    change, hoop_change : (M,) arrays
-        Of pressure and hoop stress by layers of finite thickness, at the nodes [Pa].
-
-    Returns
-    -------
-    two (K,) arrays
-    """
-    layers, h = layers_of(result), float(result.problem.web_thickness)
-    E_t, strain = layers.equations.tangential, layers.equations.strain
-    changes, c = FinalChanges(result.problem), layers.thin.centrifugal
-    x, P = np.log(result.radius), result.pressure + change
-    Q = -(result.hoop_stress + hoop_change) - P
-    core, surface = result.radius[[0, -1]].tolist()
-    count = round((surface - core) / h)
-    r = core + h * np.arange(count) if count <= FEW_LAYERS else result.radius
-    r = r[r <= (surface - h) * (1 + 1e-12)]  # layers that end below the surface, or at it
-    T = layers.tension.at(r)
-    # pressure at the inner face, in the middle and at the outer face of the layers
-    faces = [interpolate_pressure(x, P, Q, np.log(r + part * h))[0] for part in (0, 0.5, 1)]
-    mean = (r * faces[0] - (r + h) * faces[2]) / h
-    inner, middle, outer = (
-        T
-        + layers.thin.poissons_ratio * c
-        - mean
-        - E_t * (strain(P) - strain((T - c) * h / r * (1 - part)))
-        - changes.source(np.log(r + part * h))
-        for P, part in zip(faces, (0, 0.5, 1), strict=True)
-    )
-    share = h / (r + h / 2)  # the thickness of a layer in ln r
-    return mean - share * (inner + 2 * middle) / 6, mean + share * (2 * middle + outer) / 6

@@ -160,15 +160,15 @@ class LaneRoll:
         }
         return replace(self, lanes=lanes, **own, further=further)
 
-    def with_finite_layers(self, effect: float) -> LaneRoll:
-        """Return the lanes with the effect of the thickness of the layers in their errors.
+    def with_layer_error(self, error: float) -> LaneRoll:
+        """Return the lanes with the error by the thickness of the layers in their estimates.
 
-        ``effect`` is that on the pressure, relative to the largest pressure; the tension, a
+        ``error`` is that of the pressure of the mean roll, relative to the largest; the tension, a
         property of the surface, hardly depends on it.
         """
         errors = dict(self.errors)
         for name in PRESSURES:
-            errors[f"worst_lane.{name}"] += effect * getattr(self.worst, name)
+            errors[f"worst_lane.{name}"] += error * getattr(self.worst, name)
         return replace(self, errors=errors)
 
     def dataset(self) -> xarray.Dataset:

@@ -4,9 +4,9 @@ The lanes of a web of uneven thickness have the same number of layers on the sam
 j is a roll with its own tension T_j, pressure P_j and kappa_j (:mod:`.build_up`), but the web
 connects them: a lane with a larger radius is strained more (:mod:`.lane_tension`).  A layer
 increases the radius of the lane's surface by less than its thickness h_j = h (1 + d_j), because it
-compresses the layers below,
+compresses the layers below and itself, under the mean pressure p_j = T_j h_j/(2 s_j),
 
-    ds_j/dn = h_j g_j,    g_j = 1 - (1 + kappa_j) T_j/E_t.
+    ds_j/dn = h_j g_j,    g_j = 1 - (1 + kappa_j) T_j/E_t - F(p_j).
 
 With the mean radius s = sum w_j s_j as the independent variable, x = ln s, and s_j = s (1 + rho_j)
 
@@ -49,22 +49,23 @@ from .build_up import (
     SMALLEST_STEP,
     STEP_STRETCH,
     BuildUp,
+    Layers,
     NotWoundError,
     no_stage_of_roll,
     step_factor,
 )
 from .equations import (
     CellSource,
+    OwnPressure,
     SingularStageError,
     StageData,
-    StageEquations,
     StageSolution,
     source_residual,
     stretched,
 )
 from .growth import Growth
 from .lane_tension import TensionOfLanes
-from .stage_nodes import Tension, cell_source, kinks_of, nodes_between
+from .stage_nodes import cell_source, kinks_of, nodes_between
 
 __all__ = ["LaneBuildUp", "TensionAt", "stage_data", "wind_lanes"]
 
@@ -109,7 +110,7 @@ class _Points(NamedTuple):
 
 
 class _Sources(NamedTuple):
-    """Nodes and sources of the lanes at a stage.
+    """Nodes, sources and pressures under which the layers are wound, of the lanes at a stage.
 
     Attributes
     ----------
@@ -117,12 +118,19 @@ class _Sources(NamedTuple):
         ln r_j of each lane.
     source, by_kappa, by_theta : CellSource
         C [Pa], and its derivatives by kappa and theta of the stage; (L, n) arrays.
+    own : OwnPressure
+        p of the lanes, one after the other, as of :class:`.StageData`.
+    own_slope, own_by_theta : (L, n + 1) arrays
+        dp/d ln r, at a kink of its outer side, and the derivative of p by theta of the stage [Pa].
     """
 
     nodes: Array
     source: CellSource
     by_kappa: CellSource
     by_theta: CellSource
+    own: OwnPressure
+    own_slope: Array
+    own_by_theta: Array
 
 
 class _Eliminated(NamedTuple):
@@ -165,8 +173,10 @@ class LaneBuildUp:
         mean tension.  It exceeds the tolerance where the tension or kappa of a lane jumps: no step
         is short enough there.
     data : StageData, optional
-        Nodes, source and core tension of the lanes, one after the other; None before the last
-        stage.
+        Nodes, source, core tension and own pressure of the lanes, one after the other; None before
+        the last stage.
+    own_slope : (L, n + 1) array, optional
+        dp/d ln r of the own pressure [Pa]; as ``data``.
     """
 
     curves: Growth
@@ -177,6 +187,7 @@ class LaneBuildUp:
     reference_Q: Array
     largest_error: float
     data: StageData | None = None
+    own_slope: Array | None = None
 
     def functions(self, x: Array) -> Array:
         """Return the functions of the lanes at ln s (k,), (4 + K, L, k)."""
@@ -185,8 +196,7 @@ class LaneBuildUp:
 
 
 def wind_lanes(
-    equations: StageEquations,
-    tension: Tension,
+    layers: Layers,
     lanes: Lanes,
     tension_at: TensionAt,
     reference: BuildUp,
@@ -199,9 +209,8 @@ def wind_lanes(
 
     Parameters
     ----------
-    equations : StageEquations
-    tension : Tension
-        Wound-on stress of the mean web.
+    layers : Layers
+        Of the mean web.
     lanes : Lanes
     tension_at : callable
         Web, and nip if there is one.
@@ -219,7 +228,7 @@ def wind_lanes(
     NotWoundError
         If a stage cannot be solved.
     """
-    roll = _Lanes(equations, tension, lanes, tension_at, reference, cells, surface_layer)
+    roll = _Lanes(layers, lanes, tension_at, reference, cells, surface_layer)
     kinks, step = reference.growth.kinks, np.inf
     stages = zip(reference.nodes, reference.solutions, strict=True)
     for number, known in enumerate(stages, start=1):
@@ -279,15 +288,15 @@ class _Lanes:
 
     def __init__(
         self,
-        equations: StageEquations,
-        tension: Tension,
+        layers: Layers,
         lanes: Lanes,
         tension_at: TensionAt,
         reference: BuildUp,
         cells: int,
         surface_layer: float,
     ) -> None:
-        self.equations, self.tension, self.lanes = equations, tension, lanes
+        self.layers, self.lanes = layers, lanes
+        self.equations, self.tension = layers.equations, layers.tension
         self.tension_at, self.reference = tension_at, reference
         self.cells, self.surface_layer = cells, surface_layer
         start, zero = float(reference.growth.x[0]), np.zeros(lanes.share.size)
@@ -295,7 +304,7 @@ class _Lanes:
         if on_core is None:
             raise NotWoundError(_no_stage_of_lanes(start))
         values = np.concatenate([zero, on_core.wound_on, zero, on_core.web, *on_core.load])
-        self.T_c = float(tension.at(np.array([exp(start)]))[0])
+        self.T_c = float(self.tension.at(np.array([exp(start)]))[0])
         self.core_tension = self.T_c * on_core.wound_on
         self.last: LaneBuildUp | _Core = _Core(Growth(start, values))
 
@@ -350,7 +359,8 @@ class _Lanes:
         if isinstance(self.last, LaneBuildUp):
             last = self.last
             guess = stretched(last.x, last.reference_P, last.reference_Q, nodes)
-        solved = self.equations.solve(StageData(nodes, source, self.T_c), *guess)
+        stage = StageData(nodes, source, self.T_c, own=self.layers.own(nodes))
+        solved = self.equations.solve(stage, *guess)
         if solved is None:
             raise NotWoundError(no_stage_of_roll(surface))
         return nodes, solved.P, solved.Q
@@ -372,8 +382,9 @@ class _Lanes:
         last = self.last
         assert isinstance(last, LaneBuildUp)
         points = self._points(last.x, last.curves)
-        X, source, *_ = self._sources(last.x, points, np.zeros((WEB, 1)))
-        return replace(last, data=stage_data(X, source, self.core_tension))
+        sources = self._sources(last.x, points, np.zeros((WEB, 1)))
+        data = stage_data(sources.nodes, sources.source, self.core_tension, sources.own)
+        return replace(last, data=data, own_slope=sources.own_slope)
 
     def _points(self, nodes: Array, candidate: Growth) -> _Points:
         """Return the values in the cells of a stage; ``candidate`` has the functions up to it."""
@@ -426,6 +437,8 @@ class _Lanes:
         # BDF: d rho/dx = rate + by_rho (rho - guess) at this stage
         rate, by_rho = points.slopes[RHO, :, -1], float(points.basis_slope[-1])
         thickness = 1 + lanes.excess
+        # p of a layer just wound, by theta
+        p = float(points.tension[-1]) * self.layers.thickness * thickness / (2 * exp(surface))
         values = guess.copy()
         values[THETA] = np.maximum(values[THETA], 0.0)
         for _ in range(MAX_ITERATIONS):
@@ -441,10 +454,13 @@ class _Lanes:
                 1 + kappa + free - softening * theta, LEAST_SOFTENING * (1 + np.abs(kappa))
             )
             rest = (1 + kappa + free - inward) * theta  # equal for the present theta
-            mean_growth = float(lanes.share * thickness @ (1 - (1 + kappa) * theta * strain))
+            # F(p) = F_theta theta + F_rest, linearised
+            F, F_theta = self.equations.strain(p * theta), p / self.equations.modulus(p * theta)
+            F_rest = F - F_theta * theta
+            mean_growth = float(lanes.share * thickness @ (1 - (1 + kappa) * theta * strain - F))
             relative = thickness / mean_growth
-            c = relative * (1 - strain * rest) - 1 - rate + by_rho * guess[RHO]
-            c, mu = c / (1 + by_rho), relative * strain * inward / (1 + by_rho)
+            c = relative * (1 - strain * rest - F_rest) - 1 - rate + by_rho * guess[RHO]
+            c, mu = c / (1 + by_rho), relative * (strain * inward + F_theta) / (1 + by_rho)
             tension = self.tension_at(surface, c, mu, theta)
             if tension is None:
                 return None
@@ -485,12 +501,17 @@ class _Lanes:
         ------
         SingularStageError
         """
-        X, source, by_kappa, by_theta = sources
-        data = stage_data(X, source, self.core_tension)
+        X, source, by_kappa, by_theta, own, _, p_by_theta = sources
+        data = stage_data(X, source, self.core_tension, own)
         factors, E, step, layer = self.equations.linearised(data, P.ravel(), Q.ravel())
+        # E_t (F(P + p) - F(p)) depends on theta by p
+        of_own = 1 / E - 1 / self.equations.modulus(own.pressure[: E.size])
+        of_own = self.equations.tangential * of_own.reshape(P.shape) * p_by_theta
+        inner, outer = of_own[:, :-1], of_own[:, 1:]
+        by_own = CellSource(inner, (inner + outer) / 2, outer)
         right = [
             source_residual(data.lengths, CellSource(*map(_joined, each)))
-            for each in (by_kappa, by_theta)
+            for each in (by_kappa, map(np.add, by_theta, by_own))
         ]
         of_kappa, of_theta = factors.solve(np.array(right).T).T.reshape(2, *P.shape, 2)
         of_layer = layer[::2]
@@ -500,6 +521,7 @@ class _Lanes:
             (kappa_by_P.reshape(P.shape) * part[..., 0]).sum(axis=1)
             for part in (of_kappa, step, of_theta)
         )
+        of_tension = of_tension - (kappa_by_P.reshape(P.shape) * p_by_theta).sum(axis=1)
         free = (layer[:, -1, 1] - kappa - of_step) / (1 + own)
         return _Eliminated(step, of_kappa, of_theta, free, of_tension / (1 + own))
 
@@ -525,21 +547,51 @@ class _Lanes:
         T, dT = points.tension, points.tension_slope
         stretch = 1 + rho_slope / (1 + rho)  # d ln r_j/dx
         factor = 2 + points.kappa + kappa
-        C = -(dT * theta + T * theta_slope) / stretch - T * theta * factor
+        T_slope = (dT * theta + T * theta_slope) / stretch
+        C = -T_slope - T * theta * factor
         by_kappa = -T * theta * points.basis
         by_theta = (
             -(dT * points.basis + T * points.basis_slope) / stretch - T * points.basis * factor
         )
         shift = np.log1p(rho)
         X = nodes + np.concatenate([shift[:, :n], shift[:, -1:]], axis=1)
-        sources = [
+        source, of_kappa, of_theta = (
             CellSource(values[:, :n], values[:, n : 2 * n].copy(), values[:, 2 * n :])
             for values in (C, by_kappa, by_theta)
-        ]
+        )
         # The middle of a cell of the lane belongs to another layer than that of the mean roll.
         off = (shift[:, :n] + shift[:, 2 * n :]) / 2 - shift[:, n : 2 * n]
-        sources[0].middle[:] += off * (sources[0].right - sources[0].left) / np.diff(nodes)
-        return _Sources(X, *sources)
+        source.middle[:] += off * (source.right - source.left) / np.diff(nodes)
+        own = self._own(X, points, T * theta, T_slope)
+        return _Sources(X, source, of_kappa, of_theta, *own)
+
+    def _own(
+        self, X: Array, points: _Points, T: Array, slope: Array
+    ) -> tuple[OwnPressure, Array, Array]:
+        """Return p of the lanes, its slope and its derivative by theta; see :class:`_Sources`.
+
+        Parameters
+        ----------
+        X : (L, n + 1) array
+            ln r of the nodes of each lane.
+        points : _Points
+        T, slope : (L, 3 n) arrays
+            Wound-on stress of the lanes, and its derivative by ln r [Pa].
+        """
+        n = X.shape[1] - 1
+        h = self.layers.thickness * (1 + self.lanes.excess)[:, None]
+
+        def at_nodes(values: Array) -> Array:
+            """Return values at the left ends of the cells and at the right end of the last one."""
+            return np.concatenate([values[..., :n], values[..., -1:]], axis=-1)
+
+        by_T = h / (2 * np.exp(X))
+        p = np.maximum(at_nodes(T), 0.0) * by_T
+        middle = (X[:, 1:] + X[:, :-1]) / 2
+        in_cells = np.maximum(T[:, n : 2 * n], 0.0) * h / (2 * np.exp(middle))
+        pressure = np.concatenate([p.ravel(), _joined(in_cells)])
+        own = OwnPressure(pressure, np.asarray(self.equations.strain(pressure)))
+        return own, at_nodes(slope) * by_T - p, at_nodes(points.tension * points.basis) * by_T
 
 
 def _joined(values: Array) -> Array:
@@ -549,7 +601,7 @@ def _joined(values: Array) -> Array:
     return with_gaps.ravel()[:-1]
 
 
-def stage_data(X: Array, source: CellSource, tension: Array) -> StageData:
+def stage_data(X: Array, source: CellSource, tension: Array, own: OwnPressure) -> StageData:
     """Return the stages of all lanes, one after the other.
 
     Parameters
@@ -560,10 +612,12 @@ def stage_data(X: Array, source: CellSource, tension: Array) -> StageData:
         Of (L, n) arrays [Pa].
     tension : (L,) array
         T_c [Pa].
+    own : OwnPressure
+        Of the lanes, one after the other.
     """
     lanes, nodes = X.shape
     gaps = nodes * np.arange(1, lanes) - 1
-    return StageData(X.ravel(), CellSource(*map(_joined, source)), tension, gaps=gaps)
+    return StageData(X.ravel(), CellSource(*map(_joined, source)), tension, gaps=gaps, own=own)
 
 
 def _no_stage_of_lanes(x: float) -> str:

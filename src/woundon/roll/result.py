@@ -17,8 +17,8 @@ from ..results import Residuals
 from .certificate import certificate
 from .collapse import BONDED, SLIDING, collapse_loads
 from .density import density_during_winding, finished_density, volume, wound_length, wound_mass
-from .finished import core_gap, opening
-from .finite_layers import finite_layer_effects, finite_layer_stresses
+from .finished import bore_displacement, core_gap, opening
+from .finite_layers import finite_layer_errors, finite_layer_stresses
 from .lane_roll import LANES, LaneRoll
 from .roll_fields import RollFields
 from .solve_lanes import build_up_of, solve_lanes
@@ -65,8 +65,8 @@ class RollResult(RollFields):
         surface inwards by (1 + kappa) h T/E_t.
     stage_order : (J,) int array
         Number of stages interpolated by the polynomial of kappa that ends at each stage.
-    layer_growth : (J,) array
-        Kappa with layers of the web thickness instead of thin layers.
+    thin_layer_growth : (J,) array
+        Kappa in the limit of thin layers, for the error by the layer thickness.
     surface_slope : float
         -r P'/T - 1 at the surface as wound, 0 except for the discretisation error [1]; of a running
         roll T is less the centrifugal stress.
@@ -93,15 +93,16 @@ class RollResult(RollFields):
     )
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
-        dict.fromkeys(("growth", "stage_order", "layer_growth"), "stage_radius")
+        dict.fromkeys(("growth", "stage_order", "thin_layer_growth"), "stage_radius")
     )
-    ESTIMATES: ClassVar[frozenset[str]] = frozenset({"layer_growth", "steps", "surface_slope"})
+    ESTIMATES: ClassVar[frozenset[str]] = frozenset({"thin_layer_growth", "steps", "surface_slope"})
 
     def recompute_lanes(self) -> LaneRoll:
         """Solve for the lanes again, with the default tolerance of the solver."""
         count = self.lane_count or LANES
         lanes = solve_lanes(self, build_up_of(self), self.problem, count=count)
-        return lanes.with_finite_layers(abs(self.finite_layer_effect))
+        of_layers = finite_layer_errors(self)["peak_pressure"]
+        return lanes.with_layer_error(of_layers / self.peak_pressure)
 
     @property
     def core_pressure(self) -> Annotated[float, stress("P_c", "pressure on the core")]:
@@ -146,11 +147,11 @@ class RollResult(RollFields):
     def bore_displacement(
         self,
     ) -> Annotated[float, length("u_b", "change of the radius of the bore since winding", "um")]:
-        """Outward displacement of the innermost layer since it was wound [m].
+        """Outward displacement of the inner face since the innermost layer was wound [m].
 
         Winding, the changes after it and the release from the core move it.
         """
-        return float(self.displacement[0])
+        return bore_displacement(self)
 
     @property
     def core_gap(
@@ -232,17 +233,14 @@ class RollResult(RollFields):
     def finite_layer_change(
         self,
     ) -> Annotated[Array, stress("P_h", "pressure added by layers of finite thickness")]:
-        """Pressure added by layers of finite thickness to P of thin layers [Pa]."""
+        """Part of P by the thickness of the layers, relative to the limit of thin layers [Pa]."""
         return finite_layer_stresses(self)[0]
 
     @property
     def finite_layer_effect(
         self,
     ) -> Annotated[float, share("e_h", "change of the pressure by layers of finite thickness")]:
-        """``finite_layer_change`` of largest size over the peak pressure [1].
-
-        It is part of the error estimates.
-        """
+        """``finite_layer_change`` of largest size over the peak pressure [1]."""
         change = self.finite_layer_change
         return float(change[np.argmax(np.abs(change))]) / self.peak_pressure
 
@@ -386,11 +384,11 @@ class RollResult(RollFields):
         """
         arrays = stage_arrays(self, radius)
         stage = RollResult(**arrays, residuals=Residuals())
-        # a stage has fewer layers than the finished roll, so that their thickness changes it more
-        finished, at_stage = finite_layer_effects(self), finite_layer_effects(stage)
+        # a stage has fewer layers than the finished roll, so that their thickness matters more
+        finished, at_stage = finite_layer_errors(self), finite_layer_errors(stage)
         errors = {
-            name: self.errors[name] - effect + at_stage[name]
-            for name, effect in finished.items()
+            name: self.errors[name] - error + at_stage[name]
+            for name, error in finished.items()
             if name in self.errors
         }
         residuals, warnings = certificate(stage), roll_warnings(stage)

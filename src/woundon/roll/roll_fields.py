@@ -38,14 +38,12 @@ class RollFields(WithLanes, Result):
     source: Annotated[Array, stress("C", "source term of the layers as wound", "MPa")]
     pressure_gradient: Annotated[Array, stress("rP'", "radius times the pressure gradient")]
     stage_radius: Annotated[Array, length("s", "outer radius at the stages of the build-up")]
-    growth: Annotated[
-        Array, pure("kappa", "growth of a layer's pressure below the surface, thin layers")
-    ]
+    growth: Annotated[Array, pure("kappa", "growth of a layer's pressure below the surface")]
     stage_order: Annotated[
         Array, pure("n_k", "order of the interpolation of the growth factor"), int
     ]
-    layer_growth: Annotated[
-        Array, pure("kappa_h", "growth of a layer's pressure, layers of finite thickness")
+    thin_layer_growth: Annotated[
+        Array, pure("kappa_0", "growth of a layer's pressure, limit of thin layers")
     ]
     surface_slope: Annotated[float, share("e_s", "relative error of the slope at the surface")]
     steps: Annotated[int, pure("n_it", "number of linear systems solved")] = 0
@@ -63,6 +61,6 @@ class RollFields(WithLanes, Result):
         return Growth.of(np.log(self.stage_radius), self.growth, self.stage_order)
 
     @cached_property
-    def layer_kappa(self) -> Growth:
-        """Kappa as a function of ln r with layers of the web's thickness."""
-        return Growth.of(np.log(self.stage_radius), self.layer_growth, self.stage_order)
+    def thin_layer_kappa(self) -> Growth:
+        """Kappa as a function of ln r in the limit of thin layers."""
+        return Growth.of(np.log(self.stage_radius), self.thin_layer_growth, self.stage_order)

@@ -11,6 +11,10 @@ Open layers carry nothing, P = Q = 0, and eps_g = C/E_t.  The layers on either s
 are therefore rolls of their own, with P = 0 at their ends.  At the edge of an open zone inside the
 roll Q = 0 too, which determines its radius.
 
+So written the equations are those of thin layers.  With layers that are wound under the pressure p
+of half a layer (:class:`.Layers`), the total P + p and its slope take the place of P and Q in these
+conditions, and eps_g = C/E_t - F(p): layers that are compressed less fill a part of the gap.
+
 For E_r < E_t the equations are those of the minimum of a strictly convex energy under P >= 0: there
 is one solution, whichever change opened the contacts, and in whatever order.
 """
@@ -23,6 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .build_up import Layers
 from .equations import CellSource, StageData, StageEquations, StageSolution
 
 __all__ = [
@@ -67,29 +72,29 @@ class ContactZones(NamedTuple):
     gaps: Array
     off_core: Array
 
-    def stage(self, x: Array, source: CellSource, T_c: float, surface: Array) -> StageData:
-        """Return the equations of the zones.
+    def stage(self, layers: Layers, x: Array, source: CellSource, T_c: float) -> StageData:
+        """Return the equations of the zones, whose outer ends carry nothing.
 
         Parameters
         ----------
+        layers : Layers
         x : (M,) array
             ln r of all nodes.
         source : CellSource
             Of all cells, (M - 1,) each [Pa].
         T_c : float
             Of the core condition [Pa].
-        surface : (M,) array
-            Pressure P at each node if it is the outer end of a zone [Pa].
         """
-        cells = self.nodes[:-1]
-        lasts = np.append(self.nodes[self.gaps], self.nodes[-1])
+        cells, nodes = self.nodes[:-1], x[self.nodes]
+        ends = np.append(nodes[self.gaps], nodes[-1])
         return StageData(
-            x[self.nodes],
+            nodes,
             CellSource(*(part[cells] for part in source)),
             T_c,
-            surface[lasts],
+            -layers.own_pressure(ends),
             self.off_core,
             self.gaps,
+            own=layers.own(nodes),
         )
 
     def spread(self, values: Array, count: int) -> Array:
@@ -144,7 +149,7 @@ def solve_on_core(
         if solved is None:
             return None
         P, Q = solved.P, solved.Q
-        pressure = equations.total(data.x[firsts], P[firsts])
+        pressure = data.total(P)[firsts]
         gap = equations.core * P[firsts] - data.tension - Q[firsts]  # times E_t/r_c
         changed = np.where(off, gap >= 0, pressure < 0) | removed
         if (changed == off).all():
@@ -154,7 +159,7 @@ def solve_on_core(
 
 
 def with_open_layers(
-    equations: StageEquations,
+    layers: Layers,
     source_at: Callable[[Array], CellSource],
     nodes_between: NodesBetween,
     T_c: float,
@@ -168,8 +173,8 @@ def with_open_layers(
 
     Parameters
     ----------
-    equations : StageEquations
-        Of thin layers.
+    layers : Layers
+        Of the roll at rest.
     source_at : callable
         Returns C in the cells between nodes ln r, with the changes after winding [Pa].
     nodes_between : callable
@@ -177,14 +182,15 @@ def with_open_layers(
     T_c : float
         Of the core condition, with the changes after winding [Pa].
     guess : (x, P)
-        ln r from core to surface, and a pressure there, such as that as wound [Pa].
+        ln r from core to surface, and a total pressure there, such as that as wound [Pa].
     removed : bool
         True for a core that is removed.
 
     Returns
     -------
     three (M,) arrays
-        Nodes ln r, P and Q = r dP/dr [Pa], which are exactly zero in open zones and at their edges.
+        Nodes ln r, the total pressure and r times its gradient [Pa], which are exactly zero in open
+        zones and at their edges.
 
     Raises
     ------
@@ -192,14 +198,14 @@ def with_open_layers(
     """
     x, P = guess
     fine = np.interp(np.arange(PARTS * (x.size - 1) + 1) / PARTS, np.arange(x.size), x)
-    differences = _Differences(equations, fine, source_at(fine), T_c, removed)
+    differences = _Differences(layers, fine, source_at(fine), T_c, removed)
     coarse = differences.solve(np.maximum(np.interp(fine, x, P), 0.0))
     zones = _zones_of(coarse > 0)
     if coarse[0] == 0 and T_c > 0 and not removed:
         zones.insert(0, (0, 0))  # on the core, thinner than a cell of the finite differences
     if not zones or 0 < np.max(coarse) <= NEGLIGIBLE * np.max(P):
         raise NotSeparatedError("all layers separate")
-    in_contact = _Zones(equations, source_at, nodes_between, T_c, fine, coarse)
+    in_contact = _Zones(layers, source_at, nodes_between, T_c, fine, coarse)
     solved = [in_contact.solve(first, last) for first, last in zones]
     return _with_open_zones(solved, float(x[0]), float(x[-1]))
 
@@ -214,15 +220,17 @@ def _zones_of(pressed: Array) -> list[tuple[int, int]]:
 class _Differences:
     """The equations of a finished roll by finite differences, with an active set of open nodes.
 
-    With x = ln r, r^2 P'' + 3 r P' = exp(-2 x) D(exp(2 x) D P).  The residual of the cell about
-    each node is (E_t times) its strain by gaps times the width of the cell; the matrix has no
-    positive entry off its diagonal, so that the active-set iteration converges.
+    P is the pressure in addition to ``own``, that under which the layers are wound.  With x = ln r,
+    r^2 P'' + 3 r P' = exp(-2 x) D(exp(2 x) D P).  The residual of the cell about each node is (E_t
+    times) its strain by gaps times the width of the cell; the matrix has no positive entry off its
+    diagonal, so that the active-set iteration converges.
     """
 
     def __init__(
-        self, equations: StageEquations, x: Array, source: CellSource, T_c: float, removed: bool
+        self, layers: Layers, x: Array, source: CellSource, T_c: float, removed: bool
     ) -> None:
-        self.equations, self.x, self.T_c, self.removed = equations, x, T_c, removed
+        self.equations, self.x, self.T_c, self.removed = layers.equations, x, T_c, removed
+        self.own = layers.own_pressure(x)
         h = np.diff(x)
         self.to_outer, self.to_inner = np.exp(h) / h, np.exp(-h) / h
         before, behind = np.append(0.0, h) / 2, np.append(h, 0.0) / 2
@@ -231,16 +239,17 @@ class _Differences:
         self.source = C  # times the width
 
     def residual(self, P: Array) -> Array:
-        """Return the residual at pressures P >= 0, (n + 1,) [Pa]."""
+        """Return the residual at pressures P >= -own, (n + 1,) [Pa]."""
         steps, equations = np.diff(P), self.equations
-        out = self.width * (equations.tangential * equations.strain(P) - P) + self.source
+        F = equations.strain(P + self.own) - equations.strain(self.own)
+        out = self.width * (equations.tangential * F - P) + self.source
         out[:-1] -= self.to_outer * steps
         out[1:] += self.to_inner * steps
         out[0] += equations.core * P[0] - self.T_c
         return np.asarray(out)
 
-    def solve(self, P: Array) -> Array:
-        """Return the pressure, (n + 1,) [Pa], zero at open nodes.
+    def solve(self, total: Array) -> Array:
+        """Return the total pressure, (n + 1,) [Pa], zero at open nodes, from an initial guess.
 
         Raises
         ------
@@ -250,23 +259,23 @@ class _Differences:
 
         equations = self.equations
         for _ in range(MOST_STEPS):
-            residual = self.residual(P)
-            diagonal = self.width * (equations.tangential / equations.modulus(P) - 1)
+            residual = self.residual(total - self.own)
+            diagonal = self.width * (equations.tangential / equations.modulus(total) - 1)
             diagonal[:-1] += self.to_outer
             diagonal[1:] += self.to_inner
             diagonal[0] += equations.core
-            is_open = P * diagonal < residual
+            is_open = total * diagonal < residual
             is_open[-1] = True
             is_open[0] |= self.removed
-            matrix = np.zeros((3, P.size))
+            matrix = np.zeros((3, total.size))
             matrix[0, 1:] = np.where(is_open[:-1], 0.0, -self.to_outer)
             matrix[1] = np.where(is_open, 1.0, diagonal)
             matrix[2, :-1] = np.where(is_open[1:], 0.0, -self.to_inner)
-            step = solve_banded((1, 1), matrix, np.where(is_open, P, residual))
-            P = P - step
-            P[is_open] = 0.0
-            if np.max(np.abs(step)) <= STEP_TOLERANCE * np.max(np.abs(P)):
-                return np.where(P > 0, P, 0.0)
+            step = solve_banded((1, 1), matrix, np.where(is_open, total, residual))
+            total = total - step
+            total[is_open] = 0.0
+            if np.max(np.abs(step)) <= STEP_TOLERANCE * np.max(np.abs(total)):
+                return np.where(total > 0, total, 0.0)
         raise NotSeparatedError("the zones in which the layers separate are not found")
 
 
@@ -276,23 +285,23 @@ class _Zones:
     Attributes
     ----------
     x, P : (n + 1,) arrays
-        ln r from core to surface, and the pressure by finite differences [Pa].
+        ln r from core to surface, and the total pressure by finite differences [Pa].
     """
 
     def __init__(
         self,
-        equations: StageEquations,
+        layers: Layers,
         source_at: Callable[[Array], CellSource],
         nodes_between: NodesBetween,
         T_c: float,
         x: Array,
         P: Array,
     ) -> None:
-        self.equations, self.source_at, self.nodes_between = equations, source_at, nodes_between
+        self.layers, self.source_at, self.nodes_between = layers, source_at, nodes_between
         self.T_c, self.x, self.P = T_c, x, P
 
     def solve(self, first: int, last: int) -> tuple[Array, Array, Array]:
-        """Return nodes ln r, P and Q of a zone, P = Q = 0 at edges of open zones.
+        """Return nodes ln r, total pressure and gradient of a zone, both 0 at edges of open zones.
 
         Parameters
         ----------
@@ -324,7 +333,7 @@ class _Zones:
     def _with_edges(
         self, edges: Mapping[int, tuple[float, float]], on_core: bool
     ) -> tuple[Array, Array, Array]:
-        """Return nodes, P and Q of a zone with Q = 0 at its edges.
+        """Return nodes, total pressure and gradient of a zone, with no gradient at its edges.
 
         ``edges`` are intervals in which the edges lie, by the number of the end: 0 or -1.
         """
@@ -333,7 +342,7 @@ class _Zones:
         names, scale = list(edges), max(float(np.max(self.P)), abs(self.T_c))
 
         def with_edges_at(places: Array | float) -> tuple[Array, Array, Array]:
-            """Return nodes, P and Q of the zone with edges at given places in their intervals."""
+            """Return the zone with edges at given places in their intervals."""
             ends = [float(self.x[0]), float(self.x[-1])]
             for name, place in zip(names, np.atleast_1d(places), strict=True):
                 ends[name] = float(np.clip(place, *edges[name]))
@@ -358,14 +367,22 @@ class _Zones:
         return nodes, P, Q
 
     def _between(self, left: float, right: float, on_core: bool) -> tuple[Array, Array, Array]:
-        """Return nodes, P and Q of the zone with given ends, P = 0 at an end off the core."""
-        nodes = self.nodes_between(left, right)
-        data = StageData(nodes, self.source_at(nodes), self.T_c, off_core=not on_core)
-        P = np.interp(nodes, self.x, self.P)
-        solved = self.equations.solve(data, P, np.gradient(P, nodes))
+        """Return the zone with given ends, which carry nothing but for an end on the core."""
+        nodes, layers = self.nodes_between(left, right), self.layers
+        own = layers.own_pressure(nodes)
+        data = StageData(
+            nodes,
+            self.source_at(nodes),
+            self.T_c,
+            -own[-1],
+            off_core=not on_core,
+            own=layers.own(nodes),
+        )
+        P = np.interp(nodes, self.x, self.P) - own
+        solved = layers.equations.solve(data, P, np.gradient(P, nodes))
         if solved is None:
             raise NotSeparatedError("a zone between open layers has no equilibrium")
-        return nodes, solved.P, solved.Q
+        return nodes, *layers.total(nodes, solved.P, solved.Q)
 
 
 def _with_open_zones(

@@ -3,7 +3,7 @@ r"""Solution of a wound roll with error estimates: from a problem to a certified
     RollProblem --> build-up, stage by stage                  build_up, equations, growth
                 --> finished roll, changes after winding      finished
                 --> refinement of stages and nodes until the error estimate is below rtol
-                --> effect of the layer thickness             finite_layers
+                --> error by the layer thickness              finite_layers
                 --> RollResult with residuals                 certificate
 
 The published layer-by-layer scheme (Hakiel 1987) is available as ``theories.layer_by_layer``.
@@ -27,18 +27,19 @@ from .build_up import (
     BuildUp,
     NotWoundError,
     wind,
-    wind_finite_layers,
+    wind_thin_layers,
     wind_with_stages,
 )
 from .certificate import certificate
 from .equations import interpolate_pressure
-from .finished import equations_of, finished_arrays, finished_zones, surface_layer_depth
-from .finite_layers import (
-    NEIGHBOURHOOD,
-    finite_layer_effects,
+from .finished import (
+    additional_pressure,
+    finished_arrays,
+    finished_zones,
     layers_of,
-    with_bore_displacement,
+    surface_layer_depth,
 )
+from .finite_layers import NEIGHBOURHOOD, finite_layer_errors, with_bore_displacement
 from .lane_roll import FEWEST_LANES, LANES, MOST_LANES, LaneRoll
 from .result import RollResult
 from .solve_lanes import NipsAcross, solve_lanes
@@ -47,10 +48,10 @@ from .validity import roll_warnings
 
 __all__ = [
     "LANES_OPTION",
-    "ThinLayerRoll",
+    "WoundRoll",
     "check_options",
     "lanes_of",
-    "solve_thin_layers",
+    "solve_uncertified",
     "solve_wound_roll",
 ]
 
@@ -140,21 +141,21 @@ def solve_wound_roll(
             share = min(max((radius - core) / (R - core), 0.0), 1.0)
             progress(begin + share * (end - begin))
 
-    roll = solve_thin_layers(problem, rtol, report)
+    roll = solve_uncertified(problem, rtol, report)
     if problem.thickness_profile is not None:
         # the stages of the lanes are those of a roll without the error of Newton's method
         roll = roll.wound_with(problem)
         lane_roll = lanes_of(roll, problem, rtol, lanes)
         result = roll.result.replace(lane_roll=lane_roll, lane_count=lanes)
         roll = roll._replace(result=result)
-    result = roll.with_finite_layers().warned()
+    result = roll.certified().warned()
     if progress is not None:
         progress(1.0)
     return result
 
 
-class ThinLayerRoll(NamedTuple):
-    """The solution for a roll in the limit of thin layers, and its build-up.
+class WoundRoll(NamedTuple):
+    """A solved roll, and its build-up.
 
     Attributes
     ----------
@@ -169,25 +170,23 @@ class ThinLayerRoll(NamedTuple):
     build_up: BuildUp
     cells: int
 
-    def with_finite_layers(self) -> RollResult:
-        """Return the certified result with the effect of the web thickness."""
-        result = _with_finite_layers(self.result, self.build_up, self.cells)
+    def certified(self) -> RollResult:
+        """Return the certified result with the error by the layer thickness in its estimates."""
+        result = _with_layer_errors(self.result, self.build_up, self.cells)
         residuals, warnings = certificate(result), roll_warnings(result)
         return result.replace(residuals=residuals, warnings=warnings).checked()
 
-    def wound_with(self, problem: RollProblem) -> ThinLayerRoll:
+    def wound_with(self, problem: RollProblem) -> WoundRoll:
         """Return the roll with a neighbouring tension, with the same stages and number of cells.
 
         The discretisation errors cancel in the difference; the error estimates are copied.
         """
         build_up, result = _wind(problem, nan, self.cells, self.build_up, report=None)
-        return ThinLayerRoll(result.replace(errors=self.result.errors), build_up, self.cells)
+        return WoundRoll(result.replace(errors=self.result.errors), build_up, self.cells)
 
 
-def solve_thin_layers(
-    problem: RollProblem, rtol: float, report: Report | None = None
-) -> ThinLayerRoll:
-    """Solve for a roll in the limit of thin layers; see :func:`solve_wound_roll`.
+def solve_uncertified(problem: RollProblem, rtol: float, report: Report | None = None) -> WoundRoll:
+    """Solve for a roll without its residuals; see :func:`solve_wound_roll`.
 
     The tolerance of the stages is reduced until their error is below a fraction of rtol, then the
     nodes are refined until the change of the pressure shows an error below rtol.  A smaller rtol
@@ -227,7 +226,7 @@ def solve_thin_layers(
             error = errors["peak_pressure"] / peak
             if error <= rtol:
                 result = _check_stack_law(result.replace(steps=steps, errors=errors), build_up)
-                return ThinLayerRoll(result, build_up, cells)
+                return WoundRoll(result, build_up, cells)
         coarse, cells = result, round(cells * CELL_FACTOR)
     raise NotConverged(
         f"rtol={rtol:g} is not reached: the estimated error of the pressure is {error:.2g}", result
@@ -240,7 +239,7 @@ def _first_level(rtol: float) -> int:
 
 
 def lanes_of(
-    roll: ThinLayerRoll,
+    roll: WoundRoll,
     problem: RollProblem | WindingProblem,
     rtol: float,
     lanes: int,
@@ -250,7 +249,7 @@ def lanes_of(
 
     Parameters
     ----------
-    roll : ThinLayerRoll
+    roll : WoundRoll
         The roll of the mean web, whose stages have the tolerance of :meth:`wound_with`.
     problem : RollProblem or WindingProblem
         With a ``thickness_profile``.
@@ -311,48 +310,47 @@ def _wind(
     BuildUp, RollResult
         The last stage, and the result without residuals and errors.
     """
-    equations, curve = equations_of(problem), problem.tension_curve
-    radii = problem.core.radius, problem.radius
+    layers, radii = layers_of(problem), (problem.core.radius, problem.radius)
     depth = surface_layer_depth(problem)
     options: Any = {"cells": cells, "surface_layer": depth, "report": report}
     try:
         if reference is None:
-            build_up = wind(equations, curve, *radii, tolerance=tolerance, **options)
+            build_up = wind(layers, *radii, tolerance=tolerance, **options)
         else:
-            build_up = wind_with_stages(equations, curve, reference, **options)
+            build_up = wind_with_stages(layers, reference, **options)
     except NotWoundError as stop:
         raise NotConverged(str(stop)) from None
     arrays = finished_arrays(problem, build_up.x, build_up.growth, build_up.solved)
     result = RollResult(problem=problem, **arrays, residuals=Residuals())
-    return build_up, result.replace(steps=equations.steps + result.steps)
+    return build_up, result.replace(steps=layers.equations.steps + result.steps)
 
 
-def _with_finite_layers(result: RollResult, build_up: BuildUp, cells: int) -> RollResult:
-    """Return a result with the effect of layers of the web thickness, also in its errors.
+def _with_layer_errors(result: RollResult, build_up: BuildUp, cells: int) -> RollResult:
+    """Return a result with the error by the layer thickness added to its error estimates.
 
-    Kappa, the relative change of a layer's pressure with ln r below the surface, is computed with
-    these layers at the stages of the build-up, and from it the change of the pressure.
+    Kappa, the relative change of a layer's pressure with ln r below the surface, is computed in the
+    limit of thin layers at the stages of the build-up, and from it the change by the thickness.
 
     Parameters
     ----------
     result : RollResult
-        In the limit of thin layers.
     build_up : BuildUp
         Its stages.
     cells : int
         Cells of each stage.
     """
-    layers, depth = layers_of(result), surface_layer_depth(result.problem)
+    layers, depth = layers_of(result.problem), surface_layer_depth(result.problem)
     try:
-        growth = wind_finite_layers(layers, build_up, cells=cells, surface_layer=depth)
+        growth = wind_thin_layers(layers, build_up, cells=cells, surface_layer=depth)
     except NotWoundError as stop:
-        raise NotConverged(f"with layers of the web thickness {stop}", result) from None
-    result = result.replace(layer_growth=growth, steps=result.steps + layers.equations.steps)
-    effects = finite_layer_effects(result)
-    errors = {name: error + effects[name] for name, error in result.errors.items()}
+        raise NotConverged(f"in the limit of thin layers {stop}", result) from None
+    steps = result.steps + layers.equations.steps
+    result = result.replace(thin_layer_growth=growth, steps=steps)
+    of_layers = finite_layer_errors(result)
+    errors = {name: error + of_layers[name] for name, error in result.errors.items()}
     if result.lane_roll is None:
         return result.replace(errors=errors)
-    lanes = result.lane_roll.with_finite_layers(effects["peak_pressure"] / result.peak_pressure)
+    lanes = result.lane_roll.with_layer_error(of_layers["peak_pressure"] / result.peak_pressure)
     return result.replace(errors={**errors, **lanes.errors}, lane_roll=lanes)
 
 
@@ -372,10 +370,10 @@ def _stage_errors(result: RollResult) -> dict[str, float]:
     problem, x = result.problem, np.log(result.radius)
     source_errors = source_error(problem.tension_curve, result.kappa, x)
     zones = finished_zones(problem, result.pressure, result.pressure_gradient)
-    response = equations_of(problem).linear_response(
-        zones.stage(x, source_errors, 0.0, np.zeros(x.size)),
-        result.pressure[zones.nodes],
-        result.pressure_gradient[zones.nodes],
+    layers = layers_of(problem)
+    response = layers.equations.linear_response(
+        zones.stage(layers, x, source_errors, 0.0),
+        *(values[zones.nodes] for values in additional_pressure(result)),
     )
     errors = [zones.spread(error, x.size) for error in response]
     P, Q = (STAGE_ERROR_FACTOR * np.interp(_error_points(result), x, error) for error in errors)

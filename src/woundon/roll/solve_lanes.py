@@ -15,8 +15,22 @@ from ..problems.stack import Stack
 from ..problems.thickness_profile import Lanes
 from ..problems.winding import WindingProblem
 from .build_up import BuildUp, NotWoundError, wind, wind_with_stages
-from .equations import CellSource, StageData, StageSolution, interpolate_pressure, stretched
-from .finished import ROUNDING, FinalChanges, equations_of, surface_layer_depth, with_nodes
+from .equations import (
+    CellSource,
+    OwnPressure,
+    StageData,
+    StageSolution,
+    interpolate_pressure,
+    stretched,
+)
+from .finished import (
+    ROUNDING,
+    FinalChanges,
+    layers_of,
+    middle_of_layers,
+    surface_layer_depth,
+    with_nodes,
+)
 from .lane_roll import NIP_LOADS, PRESSURES, LaneRoll, WorstLane
 from .lane_tension import TensionOfLanes, tension_of_web
 from .lanes import LOAD, RHO, THETA, WEB, LaneBuildUp, TensionAt, stage_data, wind_lanes
@@ -61,7 +75,7 @@ def build_up_of(result: RollFields) -> BuildUp:
     NotConverged
     """
     problem, growth = result.problem, result.kappa
-    equations, curve = equations_of(problem), problem.tension_curve
+    layers, curve = layers_of(problem), problem.tension_curve
     T_c = float(curve.at(result.radius[:1])[0])
     all_nodes: list[Array] = []
     solutions: list[StageSolution] = []
@@ -74,13 +88,14 @@ def build_up_of(result: RollFields) -> BuildUp:
                 _cells(result),
                 surface_layer_depth(problem),
                 *kinks_of(curve, growth),
-                equations.core_layer,
+                layers.equations.core_layer,
             )
         source = cell_source(curve, growth, nodes)
         guess = T_c * (nodes[-1] - nodes), np.full_like(nodes, -T_c)
         if solutions:
             guess = stretched(all_nodes[-1], solutions[-1].P, solutions[-1].Q, nodes)
-        solved = equations.solve(StageData(nodes, source, T_c), *guess)
+        stage = StageData(nodes, source, T_c, own=layers.own(nodes))
+        solved = layers.equations.solve(stage, *guess)
         if solved is None:
             raise NotConverged("a stage of the roll could not be solved again")
         all_nodes.append(nodes)
@@ -99,19 +114,17 @@ def _wound_at_rest(result: RollFields, tolerance: float) -> BuildUp:
     NotWoundError
     """
     problem = _at_rest(result.problem)
-    equations, curve = equations_of(problem), problem.tension_curve
+    layers = layers_of(problem)
     cells, surface_layer = _cells(result), surface_layer_depth(problem)
-    core, surface = problem.core.radius, problem.radius
     reference = wind(
-        equations,
-        curve,
-        core,
-        surface,
+        layers,
+        problem.core.radius,
+        problem.radius,
         tolerance=tolerance,
         cells=cells,
         surface_layer=surface_layer,
     )
-    return wind_with_stages(equations, curve, reference, cells=cells, surface_layer=surface_layer)
+    return wind_with_stages(layers, reference, cells=cells, surface_layer=surface_layer)
 
 
 def _at_rest(problem: RollProblem) -> RollProblem:
@@ -203,17 +216,16 @@ def _solve(
     Parameters as of :func:`solve_lanes`.
     """
     problem = _at_rest(result.problem)
-    equations, curve = equations_of(problem), problem.tension_curve
+    layers, curve, E_t = layers_of(problem), problem.tension_curve, problem.stack.tangential
 
     def tension_at(x: float, c: Array, mu: Array, guess: Array) -> TensionOfLanes:
         """Return the tension of the lanes of a roll without a nip."""
         T = float(curve.at(np.array([np.exp(x)]))[0])
-        return tension_of_web(lanes, c, mu, T / equations.tangential)
+        return tension_of_web(lanes, c, mu, T / E_t)
 
     try:
         wound = wind_lanes(
-            equations,
-            curve,
+            layers,
             lanes,
             tension_at if nips is None else nips.tension_at(lanes),
             build_up,
@@ -223,7 +235,7 @@ def _solve(
         )
     except NotWoundError as stop:
         raise NotConverged(f"with lanes across the width {stop}") from None
-    x, (P_wound, Q_wound), (P, Q) = _finished(problem, wound, lanes)
+    x, *states = _finished(problem, wound, lanes)
     r, functions = np.exp(x), wound.functions(x)
     r[0], r[-1] = result.radius[[0, -1]]  # without the rounding error of exp(ln r)
     T, h, thickness = curve.at(r), float(problem.web_thickness), (1 + lanes.excess)[:, None]
@@ -238,27 +250,31 @@ def _solve(
             for N, share in zip(nips.nip_loads(r), functions[LOAD:], strict=True)
         ]
         deflections = dict(nips.deflections(lanes, np.array(loads)))
-    as_wound = {
-        "pressure_as_wound": np.maximum(P_wound, 0.0),
-        "hoop_stress_as_wound": -(P_wound + Q_wound),
-    }
+    middle = np.log(middle_of_layers(r, r, h))
+    finished, as_wound = (
+        {
+            # where a lane becomes slack between two stages, the interpolated source is not exact
+            "pressure": np.maximum(P, 0.0),
+            "hoop_stress": -sum(interpolate_pressure(x, P, Q, middle)),
+        }
+        for P, Q in states
+    )
+    before = {f"{name}_as_wound": values for name, values in as_wound.items()}
     return LaneRoll(
         lanes=lanes,
         radius=r,
-        # where a lane becomes slack between two stages, the interpolated source is not exact
-        pressure=np.maximum(P, 0.0),
-        hoop_stress=-(P + Q),
+        **finished,
         wound_on_tension=tension,
         web_tension=web,
         nip_load=loads[0],
         ridge_height=functions[RHO] * r,
-        band_strain=T * theta / equations.tangential,
+        band_strain=T * theta / E_t,
         stages=wound.curves.x.size - 1,
         stage_error=wound.largest_error,
         further={
             **dict(zip(NIP_LOADS[1:], loads[1:], strict=False)),
             **deflections,
-            **(as_wound if problem.is_changed else {}),
+            **(before if problem.is_changed else {}),
         },
     )
 
@@ -284,26 +300,47 @@ def _finished(
     (M,) array
         ln r of the nodes in the mean roll.
     two pairs of (L, M) arrays
-        P and Q of the lanes, as wound and finished [Pa].
+        Total pressure of the lanes and r times its gradient, finished and as wound [Pa].
     """
-    assert wound.data is not None
-    changes, x, P, Q = FinalChanges(problem), wound.x, wound.P, wound.Q
-    X = wound.data.x.reshape(P.shape)
-    source = CellSource(
-        *(np.append(part, 0).reshape(P.shape)[:, :-1] for part in wound.data.source)
-    )
+    data, own_slope = wound.data, wound.own_slope
+    assert data is not None
+    assert data.own is not None
+    assert own_slope is not None
+    layers, changes, x, P, Q = layers_of(problem), FinalChanges(problem), wound.x, wound.P, wound.Q
+    X, p = data.x.reshape(P.shape), data.own.pressure[: P.size].reshape(P.shape)
+    source = CellSource(*(np.append(part, 0).reshape(P.shape)[:, :-1] for part in data.source))
+    own = data.own
     if changes.kinks.size:
         x = with_nodes(wound.x, changes.kinks)
         source = _between_nodes(source, wound.x, x)
-        X = x + np.array([np.interp(x, wound.x, shift) for shift in X - wound.x])
         P, Q = interpolate_pressure(wound.x, P, Q, x)
-    tension = np.asarray(wound.data.tension + changes.core)
-    data = stage_data(X, changes.added_to(source, x), tension)
-    found = solve_on_core(equations_of(problem), data, P.ravel(), Q.ravel(), problem.core_removed)
-    if found is None:
-        raise NotConverged("no equilibrium of the lanes after the changes of the finished roll")
-    solved, _ = found
-    as_wound, (P, Q) = (P, Q), (solved.P.reshape(P.shape), solved.Q.reshape(P.shape))
+        shift, rp, own_slope = (
+            np.array([np.interp(x, wound.x, values) for values in each])
+            for each in (X - wound.x, np.exp(X) * p, own_slope)
+        )
+        X = x + shift
+        p, middle = rp / np.exp(X), np.exp((X[:, 1:] + X[:, :-1]) / 2)
+        in_cells = np.append((rp[:, 1:] + rp[:, :-1]) / 2 / middle, np.zeros((len(p), 1)), axis=1)
+        pressure = np.concatenate([p.ravel(), in_cells.ravel()[:-1]])
+        own = OwnPressure(pressure, layers.equations.strain(pressure))
+
+    def solved(
+        sources: CellSource, tension: Array, P: Array, Q: Array, removed: bool
+    ) -> tuple[Array, Array]:
+        """Return the total pressure of all lanes and r times its gradient."""
+        stage = stage_data(X, sources, tension, own)
+        stage.surface_pressure = -p[:, -1]
+        found = solve_on_core(layers.equations, stage, P.ravel(), Q.ravel(), removed)
+        if found is None:
+            text = "no equilibrium of the lanes after the changes of the finished roll"
+            raise NotConverged(text)
+        state = found[0]
+        return state.P.reshape(p.shape) + p, state.Q.reshape(p.shape) + own_slope
+
+    T_c = np.asarray(data.tension)
+    finished = solved(changes.added_to(source, x), T_c + changes.core, P, Q, problem.core_removed)
+    as_wound = solved(source, T_c, P, Q, False) if problem.is_changed else finished
+    P, _ = finished
     if problem.core_removed:
         P[:, 0] = 0.0  # without the rounding error
     loosest = np.unravel_index(np.argmin(P), P.shape)
@@ -312,7 +349,7 @@ def _finished(
         raise NotConverged(
             f"the layers of {place} separate: the changes after winding reduce the pressure to zero"
         )
-    return x, as_wound, (P, Q)
+    return x, finished, as_wound
 
 
 def _between_nodes(source: CellSource, x: Array, x_new: Array) -> CellSource:

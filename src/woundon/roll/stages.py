@@ -19,15 +19,21 @@ from ..problems.messages import quote
 from ..problems.permitted import is_within
 from ..problems.roll import FEWEST_LAYERS, RollProblem
 from ..problems.schedules import AnySchedule, Steps, Taper
+from .build_up import Layers
 from .equations import (
     StageData,
-    StageEquations,
     StageSolution,
     interpolate_pressure,
     joined,
     stretched,
 )
-from .finished import FEWEST_CELLS, equations_of, finished_arrays, surface_layer_depth
+from .finished import (
+    FEWEST_CELLS,
+    finished_arrays,
+    layers_of,
+    middle_of_layers,
+    surface_layer_depth,
+)
 from .roll_fields import RollFields
 from .stage_nodes import cell_source, kinks_of, nodes_between
 
@@ -46,23 +52,33 @@ class Stage(NamedTuple):
     ----------
     radius, pressure, gradient : (n + 1,) arrays
         Nodes [m], P and r P' there [Pa].
+    thickness : float
+        Of the web [m].
     tension : float
         Wound-on tension of the outermost layer [N/m].
-    centrifugal, centrifugal_tension : float
-        rho V^2 [Pa] and m V^2 [N/m] of a running roll; zero at rest.
+    centrifugal : float
+        rho V^2 of a running roll [Pa]; zero at rest.
     """
 
     radius: Array
     pressure: Array
     gradient: Array
+    thickness: float
     tension: float
     centrifugal: float = 0.0
-    centrifugal_tension: float = 0.0
+
+    @property
+    def centrifugal_tension(self) -> float:
+        """m V^2 of a running roll [N/m]; zero at rest."""
+        return self.centrifugal * self.thickness
 
     def stresses_at(self, r: Array) -> tuple[Array, Array]:
-        """Return P and the hoop stress -(P + r P') + c r^2/s^2 at radii [Pa]."""
-        P, Q = interpolate_pressure(np.log(self.radius), self.pressure, self.gradient, np.log(r))
-        return P, self.centrifugal * (r / self.radius[-1]) ** 2 - (P + Q)
+        """Return P and the hoop stress -(P + r P') + c r^2/s^2 of the layers at radii [Pa]."""
+        arrays = np.log(self.radius), self.pressure, self.gradient
+        pressure, _ = interpolate_pressure(*arrays, np.log(r))
+        middle = middle_of_layers(r, self.radius, self.thickness)
+        P, Q = interpolate_pressure(*arrays, np.log(middle))
+        return pressure, self.centrifugal * (middle / self.radius[-1]) ** 2 - (P + Q)
 
 
 def stresses_between(
@@ -70,16 +86,18 @@ def stresses_between(
 ) -> dict[str, Array]:
     """Return ``pressure`` and ``hoop_stress`` [Pa] at radii [m], with the shape of ``radius``.
 
-    P and Q = r dP/dr are interpolated between the nodes; the hoop stress is -(P + Q).  With a
-    ``stage`` they are those of the roll at this stage in place of the finished roll.
+    They are those of the finished roll, or of the roll at a ``stage``.
     """
     r = _radii_on_roll(result, radius)
-    if stage is not None:
-        P, hoop = stage.stresses_at(r)
-        return {"pressure": P[()], "hoop_stress": hoop[()]}
-    x = np.log(result.radius)
-    P, Q = interpolate_pressure(x, result.pressure, result.pressure_gradient, np.log(r))
-    return {"pressure": P[()], "hoop_stress": (-(P + Q))[()]}
+    P, hoop = (stage or finished_stage(result)).stresses_at(r)
+    return {"pressure": P[()], "hoop_stress": hoop[()]}
+
+
+def finished_stage(result: RollFields) -> Stage:
+    """Return the finished roll, at rest, as a stage."""
+    arrays = result.radius, result.pressure, result.pressure_gradient
+    h = float(result.problem.web_thickness)
+    return Stage(*arrays, h, float(result.problem.tension_curve.at(result.radius[-1:])[0]) * h)
 
 
 def stage_arrays(result: RollFields, radius: float) -> dict[str, Any]:
@@ -110,8 +128,8 @@ def stage_arrays(result: RollFields, radius: float) -> dict[str, Any]:
         text = f"{quote(surface)} is out of range; must be >= {smallest:.6g} [m]"
         raise InvalidProblem.at("radius", f"{text}, {FEWEST_LAYERS} layers")
     growth = result.kappa.truncate(float(np.log(surface)))
-    equations = equations_of(problem)
-    x, solved = _solve_stages(result, equations, [surface], result.radius.size - 1)[0]
+    cells = result.radius.size - 1
+    x, solved = _solve_stages(result, layers_of(problem), [surface], cells, is_free=False)[0]
     stage = problem.replace(
         radius=surface,
         wound_on_tension=_schedule_until(problem, surface),
@@ -119,8 +137,8 @@ def stage_arrays(result: RollFields, radius: float) -> dict[str, Any]:
         **UNCHANGED,
     )
     arrays = finished_arrays(stage, x, growth, solved)
-    layer_growth = result.layer_kappa.truncate(growth.x[-1]).kappa
-    return {**arrays, "problem": stage, "layer_growth": layer_growth}
+    thin_growth = result.thin_layer_kappa.truncate(growth.x[-1]).kappa
+    return {**arrays, "problem": stage, "thin_layer_growth": thin_growth}
 
 
 def stages_at(
@@ -147,29 +165,27 @@ def stages_at(
         True for the whole roll before its changes after winding, as further layers or a nip meet
         it; by default the whole roll at rest is the finished one.
     """
-    curve, core, R = result.problem.tension_curve, result.problem.core.radius, result.problem.radius
+    problem = result.problem
+    curve, core, h = problem.tension_curve, problem.core.radius, float(problem.web_thickness)
     if cells is None:
         cells = max(result.radius.size - 1 - curve.kinks.size, FEWEST_CELLS)
-    equations = equations_of(result.problem)
+    layers = layers_of(problem)
     if at_rest:
-        equations = equations.at_rest
+        layers = layers.at_rest
+    c = layers.equations.centrifugal
     # the finished roll is at rest and changed
-    differs = bool(equations.centrifugal) or (as_wound and result.problem.is_changed)
-    solved = sorted({radius for radius in radii if radius != R or differs})
-    solutions = dict(zip(solved, _solve_stages(result, equations, solved, cells), strict=True))
-    tensions = curve.at(np.array(radii)) * float(result.problem.web_thickness)
-    c = equations.centrifugal
-    rotation = c, c * float(result.problem.web_thickness)
+    differs = bool(c) or (as_wound and problem.is_changed)
+    solved = sorted({radius for radius in radii if radius != problem.radius or differs})
+    solutions = dict(zip(solved, _solve_stages(result, layers, solved, cells), strict=True))
     stages = []
-    for radius, tension in zip(radii, tensions.tolist(), strict=True):
+    for radius, T in zip(radii, curve.at(np.array(radii)).tolist(), strict=True):
         if radius not in solutions:
-            arrays = result.radius, result.pressure, result.pressure_gradient
-        else:
-            x, solution = solutions[radius]
-            r = np.exp(x)
-            r[0], r[-1] = core, radius  # without rounding
-            arrays = r, solution.P, solution.Q
-        stages.append(Stage(*arrays, tension, *rotation))
+            stages.append(finished_stage(result))
+            continue
+        x, solution = solutions[radius]
+        r = np.exp(x)
+        r[0], r[-1] = core, radius  # without rounding
+        stages.append(Stage(r, *layers.total(x, solution.P, solution.Q), h, T * h, c))
     return stages
 
 
@@ -188,18 +204,27 @@ def wound_stage(result: RollFields, *, at_rest: bool = False) -> Stage:
         If no equilibrium exists.
     """
     problem, x = result.problem, np.log(result.radius)
-    curve, equations = problem.tension_curve, equations_of(problem)
+    curve, layers = problem.tension_curve, layers_of(problem)
     if at_rest:
-        equations = equations.at_rest
-    data = StageData(x, cell_source(curve, result.kappa, x), float(curve.at(result.radius[:1])[0]))
-    P = np.maximum(result.pressure, 0.0)  # changes after winding may separate layers
-    solved = equations.solve(data, P, result.pressure_gradient)
+        layers = layers.at_rest
+    T = curve.at(result.radius)
+    own, source = layers.own(x), cell_source(curve, result.kappa, x)
+    data = StageData(x, source, float(T[0]), -layers.own_pressure(x[-1:]), own=own)
+    solved = layers.equations.solve(data, *_guess(result))
     if solved is None:
         raise NotConverged("the roll as wound could not be solved", result)
-    tension = float(curve.at(result.radius[-1:])[0]) * float(problem.web_thickness)
-    c = equations.centrifugal
-    rotation = c, c * float(problem.web_thickness)
-    return Stage(result.radius, solved.P, solved.Q, tension, *rotation)
+    h, c = float(problem.web_thickness), layers.equations.centrifugal
+    arrays = layers.total(x, solved.P, solved.Q)
+    return Stage(result.radius, *arrays, h, float(T[-1]) * h, c)
+
+
+def _guess(result: RollFields) -> tuple[Array, Array]:
+    """Return an initial guess of P and Q as wound, at the nodes of the result [Pa].
+
+    It is the finished roll, whose changes after winding may separate layers.
+    """
+    layers, x = layers_of(result.problem), np.log(result.radius)
+    return layers.additional(x, np.maximum(result.pressure, 0.0), result.pressure_gradient)
 
 
 def _radii_on_roll(result: RollFields, radius: ArrayLike) -> Array:
@@ -227,19 +252,26 @@ def _radii_on_roll(result: RollFields, radius: ArrayLike) -> Array:
 
 
 def _solve_stages(
-    result: RollFields, equations: StageEquations, surfaces: Sequence[float], cells: int
+    result: RollFields,
+    layers: Layers,
+    surfaces: Sequence[float],
+    cells: int,
+    *,
+    is_free: bool = True,
 ) -> list[tuple[Array, StageSolution]]:
     """Solve stages of a result again, together, with the kappa of the result.
 
     Parameters
     ----------
     result : RollResult
-    equations : StageEquations
+    layers : Layers
         Of the roll, running or at rest.
     surfaces : sequence of float
         Radii of the roll at these stages [m].
     cells : int
         Approximate number of cells without those at kinks of the tension.
+    is_free : bool
+        True if nothing presses on the outermost layer, False while the next one is wound on it.
 
     Returns
     -------
@@ -255,15 +287,16 @@ def _solve_stages(
     for surface in np.log(surfaces).tolist():
         kinks = kinks_of(curve, growth, surface)
         ends = float(np.log(core_radius)), surface
-        nodes.append(nodes_between(*ends, cells, depth, *kinks, equations.core_layer))
+        nodes.append(nodes_between(*ends, cells, depth, *kinks, layers.equations.core_layer))
     x, gaps = joined(nodes)
     T_c = float(curve.at(np.array([core_radius]))[0])
-    # the finished roll, whose changes after winding may separate layers
-    finished = np.log(result.radius), np.maximum(result.pressure, 0.0), result.pressure_gradient
-    guesses = [stretched(*finished, own) for own in nodes]
+    finished = np.log(result.radius), *_guess(result)
+    guesses = [stretched(*finished, of_stage) for of_stage in nodes]
     P, Q = (np.concatenate(parts) for parts in zip(*guesses, strict=True))
-    stage = StageData(x, cell_source(curve, growth, x), T_c, gaps=gaps)
-    solved = equations.solve(stage, P, Q)
+    stage = StageData(x, cell_source(curve, growth, x), T_c, gaps=gaps, own=layers.own(x))
+    if is_free:
+        stage.surface_pressure = -layers.own_pressure(np.log(surfaces))
+    solved = layers.equations.solve(stage, P, Q)
     if solved is None:
         radii = ", ".join(f"{surface:.6g}" for surface in surfaces)
         raise NotConverged(f"the stages at the radii {radii} m could not be solved")

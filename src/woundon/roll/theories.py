@@ -13,7 +13,7 @@ from ..problems.radial_laws import Constant
 from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
 from ..problems.stack import Stack
-from .finished import FinalChanges, equations_of
+from .finished import FinalChanges, equations_of, layers_of, middle_of_layers
 from .layer_by_layer import wind_layers
 from .stage_nodes import nodes_between
 
@@ -42,8 +42,10 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
 
         P(r) = F(r) int_r^R T/(s F(s)) ds,    sigma_t = T - (F + r F') int_r^R T/(s F(s)) ds
 
-    the sum of the increments by each layer.  A temperature change, core shrinkage and the removal
-    of the core add terms in r^(+-g - 1) and a constant.  Layers are taken to stay in contact.
+    the sum of the increments by each layer in the limit of thin ones.  Their thickness h adds, to
+    first order, p = T h/2r and terms in r^(+-g - 1), by which the pressure at the surface is zero.
+    A temperature change, core shrinkage and the removal of the core add such terms and a constant.
+    Layers are taken to stay in contact.  The hoop stress is that in the middle of the layers.
 
     With centrifugal force the roll at rest is that of the tension T - c + Q_B(s), with c = rho V^2
     and P_B, Q_B = r P_B' the stresses by the rotation of the roll with the surface s: a layer
@@ -72,7 +74,8 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
             raise InvalidProblem.at(name, "depends on the radius; must be a number")
     r = np.atleast_1d(np.asarray(radius, dtype=float))
     core, R, E_t = problem.core.radius, problem.radius, stack.tangential
-    equations = equations_of(problem)
+    layers = layers_of(problem)
+    equations = layers.equations
     g, b = float(np.sqrt(E_t / stack.radial.modulus(0.0))), equations.core
     A = (g - 1 - b) / (g + 1 + b)
 
@@ -95,8 +98,9 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
     layer = equations.core_layer
     grid = nodes_between(start, end, 400, min(1 / g, 0.3), kinks, core_layer=layer) - start
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
-    # the first one is at the core
-    x_all = np.append(0.0, np.log(r / core))
+    # the first one is at the core; then those of the pressure and of the hoop stress
+    middle = middle_of_layers(r, np.array([core, R]), layers.thickness)
+    x_all = np.log(np.concatenate([[core], r, middle]) / core)
     integral = np.empty(x_all.size)
     for k, x in enumerate(x_all):
         # cells from x to the surface, with Gauss points each
@@ -108,10 +112,13 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
         )
         integral[k] = float(np.sum(half * weights * integrand)) if ends.size > 1 else 0.0
     P_wound, integral = float((1 + A) * integral[0]), integral[1:]
+    r_all = core * np.exp(x_all[1:])
     F, slope = homogeneous_solution(x_all[1:])
-    P_changes, Q_changes = _final_changes(problem, g, b, r, P_wound)
-    hoop = tension(r) - (F + slope) * integral - P_changes - Q_changes
-    return RollStresses(r, F * integral + P_changes, hoop)
+    P_changes, Q_changes = layers.total(
+        np.log(r_all), *_final_changes(problem, g, b, r_all, P_wound)
+    )
+    hoop = tension(r_all) - (F + slope) * integral - P_changes - Q_changes
+    return RollStresses(r, (F * integral + P_changes)[: r.size], hoop[r.size :])
 
 
 def _rotation_slope(x: Array, g: float, b: float, nu: float) -> Array:
@@ -137,12 +144,13 @@ def _final_changes(
 ) -> tuple[Array, Array]:
     """Return the pressure P added by the changes after winding, and r P', at radii r (k,) [Pa].
 
-    ``P_wound`` is the pressure at the core as wound.
+    It does not contain p, under which the layers are wound.  ``P_wound`` is the pressure at the
+    core as wound, of thin layers.
 
     With g^2 = E_t/E_r and b of the core condition,
-    r^2 P'' + 3 r P' + (1 - g^2) P = dC,  r P' - b P = -dT_c at the core,  P = 0 at the surface.
+    r^2 P'' + 3 r P' + (1 - g^2) P = dC,  r P' - b P = -dT_c at the core,  P = -p at the surface.
 
-    Off the core the pressure there is zero: P = -P_c, with the pressure P_c as wound.
+    Off the core the pressure there is zero: P = -P_c - p, with the pressure P_c as wound.
     """
     changes, core, R = FinalChanges(problem), problem.core.radius, problem.radius
     source, core_tension = float(changes.source(np.log(core))), changes.core
@@ -154,14 +162,16 @@ def _final_changes(
         return np.full(r.shape, source / (1 - g**2)), np.zeros(r.shape)
 
     (P_core, P_surface), (Q_core, _) = particular(np.array([core, R]))
+    p_core, p_surface = layers_of(problem).own_pressure(np.log([core, R])).tolist()
     growing, decaying = g - 1, -g - 1  # exponents of the homogeneous solutions
     # (r/R)^growing and (r/core)^decaying are at most 1; rows: core condition, surface
     at_core = (core / R) ** growing
     matrix = [[(growing - b) * at_core, decaying - b], [1.0, (R / core) ** decaying]]
-    c = np.linalg.solve(matrix, [-core_tension - Q_core + b * P_core, -P_surface])
-    if problem.core_removed or P_wound + P_core + c[0] * at_core + c[1] < 0:
+    c = np.linalg.solve(matrix, [-core_tension - Q_core + b * P_core, -p_surface - P_surface])
+    at_bore = P_wound + p_core + P_core
+    if problem.core_removed or at_bore + c[0] * at_core + c[1] < 0:
         matrix[0] = [at_core, 1.0]
-        c = np.linalg.solve(matrix, [-P_wound - P_core, -P_surface])
+        c = np.linalg.solve(matrix, [-at_bore, -p_surface - P_surface])
     growing_part, decaying_part = c[0] * (r / R) ** growing, c[1] * (r / core) ** decaying
     P, Q = particular(r)
     return P + growing_part + decaying_part, Q + growing * growing_part + decaying * decaying_part

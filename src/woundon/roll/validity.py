@@ -7,7 +7,6 @@ further arguments (:func:`woundon.validity.limit_warning`).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import isfinite
 
 import numpy as np
 
@@ -16,7 +15,6 @@ from ..problems.roll import RollProblem
 from ..validity import limit_warning
 from .collapse import collapse_loads
 from .finished import opening
-from .finite_layers import finite_layer_stresses
 from .roll_fields import RollFields
 
 __all__ = ["roll_warnings", "yield_warnings"]
@@ -98,14 +96,6 @@ def _stack_warnings(result: RollFields) -> Iterator[str]:
             "of the modulus along the web",
             law.modulus(P) / 1e6,
             P / 1e3,
-        )
-    if not isfinite(law.max_pressure):
-        return
-    finite = float(np.max(result.pressure + finite_layer_stresses(result)[0]))
-    if finite > law.max_pressure:
-        yield (
-            f"with layers of the web thickness the pressure reaches {finite / 1e3:.4g} kPa, beyond "
-            f"the range of the stack law, which ends at {law.max_pressure / 1e3:.4g} kPa"
         )
 
 

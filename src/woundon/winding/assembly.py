@@ -13,7 +13,7 @@ from ..problems.paths import field_or_none
 from ..problems.schedules import Steps
 from ..problems.winding import LOADS, SCHEDULES, WindingProblem
 from ..results import Residuals
-from ..roll.solve import ThinLayerRoll
+from ..roll.solve import WoundRoll
 from ..roll.validity import yield_warnings
 from .bodies import NipSample, tension_on_roll
 from .drives import drive_radii, drives_of
@@ -39,7 +39,7 @@ def assemble_result(
     problem: WindingProblem,
     r: Array,
     tension: Array,
-    roll: ThinLayerRoll,
+    roll: WoundRoll,
     nips: Nips,
     *,
     interpolation: tuple[float, float],
@@ -56,7 +56,7 @@ def assemble_result(
     problem : WindingProblem
     r, tension : (M,) arrays
         Radii [m], wound-on tension there [N/m].
-    roll : ThinLayerRoll
+    roll : WoundRoll
         The roll of this tension, without the changes after winding.
     nips : Nips
     interpolation : (float, float)
@@ -73,7 +73,7 @@ def assemble_result(
     finished = roll
     if problem.is_changed:
         finished = wind(problem, r, tension, rtol, film)
-    wound = finished.with_finite_layers()
+    wound = finished.certified()
     of_drives = drive_radii(problem)
     drives: dict[str, Any] = drives_of(problem, of_drives, film)
     result = WindingResult(

@@ -45,6 +45,7 @@ from ..problems.bending import Bending, DrumBending
 from ..problems.bodies import Body
 from ..problems.paths import field_or_none
 from ..problems.thickness_profile import Lanes
+from ..roll.finite_layers import finite_layer_errors
 from ..roll.lane_roll import NIP_LOADS, LaneRoll
 from ..roll.lane_tension import DrumsAcross, TensionOfLanes, tension_in_nips, tension_of_web
 from ..roll.lanes import TensionAt
@@ -525,7 +526,8 @@ def lanes_of_winding(result: WindingFields, rtol: float, count: int) -> LaneRoll
         nips = NipsOfWinding(result, roll.result, largest=LOAD_RESERVE * largest)
         lanes = lanes_with(nips)
     lanes = replace(lanes, warnings=tuple(_load_warnings(lanes, nips)))
-    return lanes.with_finite_layers(abs(result.roll.finite_layer_effect))
+    of_layers = finite_layer_errors(result.roll)["peak_pressure"]
+    return lanes.with_layer_error(of_layers / result.roll.peak_pressure)
 
 
 def largest_load(lanes: LaneRoll) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from ..errors import NoSteadyState
 from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
-from ..roll.solve import ThinLayerRoll, solve_thin_layers
+from ..roll.solve import WoundRoll, solve_uncertified
 
 __all__ = ["recomputed", "wind"]
 
@@ -25,7 +25,7 @@ def wind(
     *,
     rotates: bool = True,
     changes: bool = True,
-) -> ThinLayerRoll:
+) -> WoundRoll:
     """Compute the roll of a piecewise linear wound-on tension, in the limit of thin layers.
 
     Parameters
@@ -44,7 +44,7 @@ def wind(
 
     Returns
     -------
-    ThinLayerRoll
+    WoundRoll
 
     Raises
     ------
@@ -52,24 +52,24 @@ def wind(
         For a tension that is not positive everywhere.
     """
     roll = _roll_problem(problem, r, tension, film, rotates=rotates, changes=changes)
-    return solve_thin_layers(roll, rtol)
+    return solve_uncertified(roll, rtol)
 
 
 def recomputed(
     problem: WindingProblem,
-    roll: ThinLayerRoll,
+    roll: WoundRoll,
     r: Array,
     tension: Array,
     film: float,
     *,
     changes: bool = True,
-) -> ThinLayerRoll:
+) -> WoundRoll:
     """Recompute a roll with another tension, at the same stages of its build-up.
 
     Parameters
     ----------
     problem : WindingProblem
-    roll : ThinLayerRoll
+    roll : WoundRoll
         Its stages are used.
     r, tension : (M,) arrays
         Radii [m], the other wound-on tension there [N/m].

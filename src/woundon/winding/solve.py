@@ -34,7 +34,7 @@ from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..roll.lane_roll import FEWEST_LANES, LANES, MOST_LANES
 from ..roll.result import RollResult
-from ..roll.solve import LANES_OPTION, ThinLayerRoll
+from ..roll.solve import LANES_OPTION, WoundRoll
 from .assembly import assemble_result
 from .bodies import tension_on_roll
 from .certificate import LARGEST_COUPLING_RTOL, certificate
@@ -210,7 +210,7 @@ class _Iteration:
         this roll, by their places x = ln(r - r_c).
     r : (M,) array
         Radii of the tension of the roll [m].
-    roll : ThinLayerRoll
+    roll : WoundRoll
     has_own_stages : bool
         True if the stages of the roll were chosen for its own tension.
     film : float
@@ -222,7 +222,7 @@ class _Iteration:
     shares: dict[float, float]
     nip_shares: dict[float, float]
     r: Array
-    roll: ThinLayerRoll
+    roll: WoundRoll
     has_own_stages: bool
     film: float
     change: float

@@ -87,7 +87,7 @@ class WindingFields(WithLanes, Result):
         """
         if self.wound is None:
             arrays = self.radius, self.wound_on_tension
-            thin_layers = wind(self.problem, *arrays, self.roll_rtol, self.air_film)
-            object.__setattr__(self, "wound", thin_layers.with_finite_layers())
+            uncertified = wind(self.problem, *arrays, self.roll_rtol, self.air_film)
+            object.__setattr__(self, "wound", uncertified.certified())
         assert self.wound is not None
         return self.wound
