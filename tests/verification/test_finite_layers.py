@@ -1,4 +1,4 @@
-"""Laps of finite thickness: a roll of rings, laid one by one, against the limit of thin layers.
+"""Laps of finite thickness: a roll of rings, laid one by one.
 
 The rings know nothing of sources, of stages or of a limit: each is a thick ring of the stack's law
 (or several thinner ones), with the tension it is laid with as its own, on which all later ones
@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 from rings import Rings
 from scipy.integrate import quad
+from scipy.interpolate import CubicSpline
 from slow_cases import slow_case
+from thin_layers import thin
 
 import woundon as wo
 from woundon.roll.theories import constant_moduli
@@ -32,10 +34,10 @@ def thick(problem: wo.RollProblem, times: float) -> wo.RollProblem:
 
 
 def of(problem: wo.RollProblem, parts: int = 2) -> tuple[wo.RollResult, Rings, np.ndarray]:
-    """Return the roll of thin laps, that of rings, and by how much the second's P is larger."""
+    """Return the roll, that of rings, and by how much P of rings is larger than of thin laps."""
     result, rings = wo.solve(problem, rtol=1e-4), Rings(problem, parts)
-    r = np.minimum(rings.r, problem.radius)
-    return result, rings, rings.P - result.at_radius(r)["pressure"]
+    thin = np.interp(rings.r, result.radius, result.pressure - result.finite_layer_change)
+    return result, rings, rings.P - thin
 
 
 def test_the_rings_of_constant_moduli_are_a_sum():
@@ -69,7 +71,7 @@ def test_the_rings_of_constant_moduli_are_a_sum():
     ids=["newsprint, 264 um", "132 um", "taper", "soft core", "constant", "few stiff laps"],
 )  # fmt: skip
 def test_what_finite_layers_change_is_reported(problem: wo.RollProblem):
-    """To 1.3 % of it here; the estimates add terms of higher order, up to 6 %."""
+    """To 1.3 % of it here, which the error estimates cover."""
     result, rings, change = of(problem)
     found = np.interp(rings.r, result.radius, result.finite_layer_change)
     largest = np.max(np.abs(change))
@@ -77,16 +79,17 @@ def test_what_finite_layers_change_is_reported(problem: wo.RollProblem):
     assert result.finite_layer_effect == pytest.approx(
         change[np.argmax(np.abs(change))] / result.peak_pressure, rel=0.02
     )
-    for name, by in (("core_pressure", abs(change[0])), ("peak_pressure", largest)):
-        assert 0.98 * by < result.errors[name] < 1.12 * by + 1e-4 * result.peak_pressure
-    shallow = np.min(rings.P) - np.min(result.pressure)
-    assert abs(shallow) <= result.errors["peak_pressure"]
+    r = np.minimum(rings.r, problem.radius)
+    miss = np.abs(rings.P - result.at_radius(r)["pressure"])
+    assert np.max(miss) <= result.errors["peak_pressure"]
+    assert miss[0] <= result.errors["core_pressure"]
+    assert result.errors["peak_pressure"] < 0.15 * largest + 2e-4 * result.peak_pressure
 
 
 def test_the_effect_is_of_order_one_in_the_thickness():
     """Half as thick, half as much; the published scheme has half of it, by its own first order."""
     effects = [wo.solve(thick(NEWSPRINT, times)).finite_layer_effect for times in (1, 0.5, 0.25)]
-    assert effects[0] == pytest.approx(0.049, abs=0.001)  # rings: 4.81 to 5.00 % by 6 and 1 a lap
+    assert effects[0] == pytest.approx(0.0465, abs=0.001)  # rings: 4.59 to 4.76 % by 6 and 1 a lap
     orders = np.log2(np.array(effects[:-1]) / effects[1:])
     assert (np.abs(orders - 1) < 0.08).all()  # 0.94 and 0.95
 
@@ -164,7 +167,7 @@ def random_roll(seed: int) -> wo.RollProblem:
 def misses(problem: wo.RollProblem) -> dict[str, float] | None:
     """Return the largest difference to the sum over laps of each output, in error estimates.
 
-    The hoop stress of a lap is compared on the average and at both faces.  None without a result.
+    The hoop stress of a lap is that on the average.  None without a result.
     """
     try:
         result = wo.solve(problem)
@@ -179,18 +182,15 @@ def misses(problem: wo.RollProblem) -> dict[str, float] | None:
     rings = Rings(problem, 6)
     middle = (problem.core.radius + problem.radius) / 2
     laps = {
-        "core_pressure": [rings.P[0]],
-        "peak_pressure": [rings.P.max()],
-        "mid_pressure": [np.interp(middle, rings.r, rings.P)],
-        "least_hoop_stress": [hoop.min() for hoop in (rings.mean_hoop, *rings.face_hoop)],
-        "bore_hoop_stress": [hoop[0] for hoop in (rings.mean_hoop, *rings.face_hoop)],
-        "bore_displacement": [rings.bore_moved],
+        "core_pressure": rings.P[0],
+        "peak_pressure": rings.P.max(),
+        "mid_pressure": CubicSpline(rings.r, rings.P)(middle),
+        "least_hoop_stress": rings.mean_hoop.min(),
+        "bore_hoop_stress": rings.mean_hoop[0],
+        "bore_displacement": rings.bore_moved,
     }
     assert laps.keys() == result.errors.keys()
-    differences = {
-        name: max(abs(value - getattr(result, name)) for value in values)
-        for name, values in laps.items()
-    }
+    differences = {name: abs(value - getattr(result, name)) for name, value in laps.items()}
     # the pressure on a core that is not in contact is exactly zero, without an error
     return {
         name: difference / result.errors[name] if difference else 0.0
@@ -307,15 +307,22 @@ def test_a_released_coil_by_its_closed_form():
     # MPa with 0.01, -29.02 with 0.3), and the thickness of the layers (-28.99 at the inner face).
     assert stresses_at_the_bore(206e9)[1] == pytest.approx(-28.56e6, abs=5e3)
     released = COIL.replace(core_removed=True)
+    of_thin = wo.solve(thin(released), rtol=1e-7)
+    assert of_thin.core_pressure == 0.0
+    # half a million layers: their thickness changes the stress by 1e-5 of it
+    assert of_thin.bore_hoop_stress == pytest.approx(hoop, rel=3e-5)
+    assert of_thin.bore_displacement == pytest.approx(0.254 * (hoop - T) / E_t, rel=3e-5)
     result = wo.solve(released, rtol=1e-7)
-    assert result.core_pressure == 0.0
-    assert result.bore_hoop_stress == pytest.approx(hoop, rel=1e-5)
-    assert result.bore_displacement == pytest.approx(0.254 * (hoop - T) / E_t, rel=1e-5)
     r = np.linspace(0.254, 0.75, 40)
     exact = constant_moduli(released, r)
     found = result.at_radius(r)
     np.testing.assert_allclose(found["pressure"], exact.pressure, atol=1e-6 * exact.pressure.max())
     np.testing.assert_allclose(found["hoop_stress"], exact.hoop_stress, atol=2e-6 * T)
+
+
+def first_layer(roll: wo.RollProblem) -> float:
+    """Return the strain of the core by the first layer, wound with T h/r_c on it."""
+    return float(roll.wound_on_tension) / roll.core.radius / roll.core.effective_stiffness
 
 
 @pytest.mark.parametrize("roll", [COIL, NEWSPRINT], ids=["steel", "newsprint"])
@@ -328,16 +335,16 @@ def test_a_core_that_shrinks_away_and_one_that_is_removed_leave_the_same_roll(ro
     for name in ("pressure", "hoop_stress", "displacement"):
         one, two = getattr(removed, name), getattr(shrunk, name)
         np.testing.assert_allclose(one, two, atol=1e-8 * np.max(np.abs(one)))
-    # the gap is the way of the core, less that of the bore
-    core = roll.core.radius
-    assert shrunk.core_gap == pytest.approx(0.01 * core + shrunk.bore_displacement, rel=1e-9)
+    # the gap is the way of the core, on which the first layer pressed, less that of the bore
+    core = (0.01 - first_layer(roll)) * roll.core.radius
+    assert shrunk.core_gap == pytest.approx(core + shrunk.bore_displacement, rel=1e-9)
     assert np.isnan(removed.core_gap)
 
 
 def test_a_core_loses_the_roll_when_its_pressure_reaches_zero():
     """The pressure of a shrinking core falls to zero; then the roll is the released one."""
     released = wo.solve(COIL.replace(core_removed=True))
-    at_contact = -released.bore_displacement / COIL.core.radius
+    at_contact = first_layer(COIL) - released.bore_displacement / COIL.core.radius
     on, off = (wo.solve(COIL.replace(core_shrinkage=k * at_contact)) for k in (0.999, 1.001))
     assert 0 < on.core_pressure < 2e-3 * wo.solve(COIL).core_pressure
     assert (on.core_gap, off.core_pressure) == (0.0, 0.0)
@@ -388,9 +395,9 @@ def test_layers_that_separate(share: float, changes: dict):
     edges_found[::2] = result.radius[found[::2]]
     np.testing.assert_allclose(edges_found, edges, atol=2 * h)
     assert result.separation_radius == edges_found[-1]
-    change = np.max(np.abs(rings.P - np.interp(rings.r, result.radius, result.pressure)))
-    # an estimate of the same size: 1.00 to 1.31 of the difference
-    assert 0.8 < result.errors["peak_pressure"] / change < 1.6
+    miss = np.max(np.abs(rings.P - np.interp(rings.r, result.radius, result.pressure)))
+    assert miss <= 1.25 * result.errors["peak_pressure"]
+    assert result.errors["peak_pressure"] < 0.1 * result.peak_pressure
     assert result.residuals.largest <= 1e-8
 
 
@@ -411,7 +418,7 @@ def test_sliding_layers_next_to_open_ones_buckle_in_a_group():
 @pytest.mark.filterwarnings("ignore")
 def test_layers_on_the_core_under_a_thin_zone_in_contact():
     """A large source C opens all but the depth w = T/C: P = C (w - x)^2/2 below, b = 0."""
-    problem = dried(1.0).replace(temperature_change=-1000.0, radial_expansion=1e-2)
+    problem = thin(dried(1.0).replace(temperature_change=-1000.0, radial_expansion=1e-2))
     C = 4e9 * 10.0
     result = wo.solve(problem)
     # C is less by 2 T, and E_t F(P) by less than P E_t/E_r

@@ -15,7 +15,6 @@ from rings import Rings
 from slow_cases import slow_case
 
 import woundon as wo
-from woundon.roll.finite_layers import finite_layer_stresses
 from woundon.roll.theories import constant_moduli
 
 NEWSPRINT = wo.RollProblem.example()
@@ -359,19 +358,17 @@ def random_roll(seed: int) -> wo.RollProblem:
 def misses(problem: wo.RollProblem) -> dict[str, float]:
     """Return the largest differences from the rings, in error estimates of the largest pressure.
 
-    At rest and running, with the first-order effect of the layers' thickness; and of the roll that
-    is wound at rest, which shows that the rings feel the rotation.
+    At rest and running; and of the roll that is wound at rest, which shows that the rings feel the
+    rotation.
     """
     result, rings = wo.solve(problem), Rings(problem, 2)
     r = np.minimum(rings.r, problem.radius)
-    change, _ = finite_layer_stresses(result)
     error = result.errors["peak_pressure"]
     running = np.interp(r, result.radius, result.running_pressure)
     still = wo.solve(problem.replace(web_speed=None)).at_radius(r)["pressure"]
     found = {
         "rest": rings.P - result.at_radius(r)["pressure"],
         "running": rings.running_P - running,
-        "corrected": rings.P - np.interp(r, result.radius, result.pressure + change),
         "still": rings.P - still,
     }
     return {name: float(np.max(np.abs(values))) / error for name, values in found.items()}
@@ -383,7 +380,6 @@ def test_rings_laid_on_a_running_roll(seed: int):
     found = misses(random_roll(seed))
     assert found["rest"] <= 1.25  # the estimate of finite layers, as of a roll that does not run
     assert found["running"] <= 1.25
-    assert found["corrected"] <= 0.3 * found["rest"] + 0.1
     assert found["still"] > 2
 
 

@@ -106,7 +106,7 @@ def test_steel_on_a_soft_or_missing_core(core: float):
         wound_on_tension=30e6 * 1e-3,
     )  # fmt: skip
     result, r = wo.solve(coil), np.array([0.2578, 0.3, 0.5, 0.7])
-    fine = wo.solve(thin(coil))
+    of_thin = thin(coil)
 
     def F(x: float) -> float:
         return 2 * np.exp(-x) * np.sinh(10 * x)  # g = 10, x = ln(r/r_c)
@@ -115,8 +115,9 @@ def test_steel_on_a_soft_or_missing_core(core: float):
         30e6 * F(x) * quad(lambda y: 1 / F(y), x, np.log(0.75 / 0.254), epsrel=1e-10)[0]
         for x in np.log(r / 0.254)
     ]
-    assert fine.at_radius(r)["pressure"] == pytest.approx(exact, rel=1e-3)
-    assert constant_moduli(thin(coil), r).pressure == pytest.approx(exact, rel=1e-4)
+    assert wo.solve(of_thin).at_radius(r)["pressure"] == pytest.approx(exact, rel=1e-3)
+    # half a million layers change the pressure at the bore by 1e-4 of it
+    assert constant_moduli(of_thin, r).pressure == pytest.approx(exact, rel=2e-4)
     assert (result.pressure[:-1] > 0).all()
     # The first layer alone presses on the core, with T h/r_c; to first order, with half of it
     laid = 30e6 * 1e-3 / 0.254
@@ -132,7 +133,9 @@ def test_paper_on_a_core_of_a_kilopascal(radial: object):
         for stiffness in (1e3, 1e9)
     )
     assert on_soft.mid_pressure == pytest.approx(on_stiff.mid_pressure, rel=1e-3)
-    assert 0 < on_soft.core_pressure < 1e-3 * on_soft.peak_pressure
+    # half of the first layer
+    laid = NEWSPRINT.wound_on_tension / NEWSPRINT.core.radius / 2
+    assert on_soft.core_pressure == pytest.approx(laid, rel=0.01)
 
 
 def test_newsprint_by_the_independent_value():
@@ -285,9 +288,15 @@ def inside(problem: wo.RollProblem) -> np.ndarray:
     return np.linspace(core + 0.25 * (R - core), R - 0.3 * (R - core), 30)
 
 
+def thinner(problem: wo.RollProblem) -> wo.RollProblem:
+    """Return a roll of some 500 000 layers, whose thickness changes the plateau by 1e-4 of it."""
+    layers = (problem.radius - problem.core.radius) / problem.web_thickness
+    return thin(problem, layers / 5e5)
+
+
 @PAPER_AND_FILM
 def test_the_plateau_under_constant_tension(problem: wo.RollProblem, exponent: float):
-    roll = coarse_solution(problem).at_radius(inside(problem))
+    roll = wo.solve(thinner(problem), rtol=1e-2).at_radius(inside(problem))
     P, hoop = (roll[name][:20] for name in ("pressure", "hoop_stress"))
     np.testing.assert_allclose(hoop, -P, rtol=0.03)
 
@@ -302,7 +311,8 @@ def test_by_how_much_the_plateau_law_is_low(
 
     Of constant moduli it is exactly that: T/g against T/(g - 1), g^2 = E_t/E_r.
     """
-    problem = problem.replace(stack=problem.stack.replace(radial=wo.Pfeiffer(K1=K1, K2=K2)))
+    stack = problem.stack.replace(radial=wo.Pfeiffer(K1=K1, K2=K2))
+    problem = thinner(problem.replace(stack=stack))
     P = wo.solve(problem).at_radius(inside(problem))["pressure"][:20]
     low = plateau_pressure(problem.stack, problem.wound_on_tension / problem.web_thickness)
     g = np.sqrt(problem.stack.tangential / problem.stack.radial.modulus(P))
@@ -313,6 +323,7 @@ def test_by_how_much_the_plateau_law_is_low(
 def test_a_tension_that_falls_keeps_the_web_in_tension(problem: wo.RollProblem, exponent: float):
     """Hoop stress >= 0 needs P to fall like 1/r, so T about like r^-0.6 or, of film, r^-0.5."""
     r = np.geomspace(problem.core.radius, problem.radius, 40)
+    problem = thinner(problem)
     level = coarse_solution(problem).mid_pressure
 
     def hoop(k: float) -> np.ndarray:
@@ -409,7 +420,7 @@ def test_a_last_step_that_was_too_long_is_not_tried_again():
     """It was, for ever: stretched to the surface, shortened to what is stretched to there again."""
     taper = wo.Taper(start=350.0, taper=0.15781990521327016)
     result = wo.solve(NEWSPRINT.replace(radius=0.1, wound_on_tension=taper), rtol=1e-5)
-    assert result.core_pressure == pytest.approx(312180.3, abs=2)  # to 1e-6: 312180.51
+    assert result.core_pressure == pytest.approx(CCCC, abs=2)
 
 
 # ---- what every winder knows ------------------------------------------------------------------

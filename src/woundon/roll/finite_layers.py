@@ -78,8 +78,12 @@ def finite_layer_errors(result: RollFields) -> dict[str, float]:
     layers = layers_of(result.problem)
     # p x/6 with x = (2 + kappa) h/r, the decrease of a layer's pressure per layer below it
     decrease = np.abs(2 + result.kappa(x)) * layers.thickness / r
-    curvature = np.abs(np.gradient(result.pressure_gradient, x)) * (layers.thickness / r) ** 2
-    size = curvature / 12 + SAFETY * np.maximum(
+    # of the curve through the faces of the layers, which varies by no more than from one to the next
+    curvature = np.abs(np.gradient(result.pressure_gradient, x)) * (layers.thickness / r) ** 2 / 12
+    next_x = np.log(np.minimum(r + layers.thickness, r[-1]))
+    arrays = x, result.pressure, result.pressure_gradient
+    steps = np.abs(interpolate_pressure(*arrays, next_x)[0] - result.pressure)
+    size = np.minimum(curvature, steps) + SAFETY * np.maximum(
         np.abs(change) * (_higher_order_factor(change, result.pressure - change) - 1),
         layers.own_pressure(x) * decrease / 6,
     )

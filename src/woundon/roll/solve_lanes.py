@@ -314,12 +314,14 @@ def _finished(
         x = with_nodes(wound.x, changes.kinks)
         source = _between_nodes(source, wound.x, x)
         P, Q = interpolate_pressure(wound.x, P, Q, x)
-        shift, rp, own_slope = (
+        # r p = T h/2, and dp/d ln r + p = h T'/2
+        shift, rp, steepness = (
             np.array([np.interp(x, wound.x, values) for values in each])
-            for each in (X - wound.x, np.exp(X) * p, own_slope)
+            for each in (X - wound.x, np.exp(X) * p, own_slope + p)
         )
         X = x + shift
         p, middle = rp / np.exp(X), np.exp((X[:, 1:] + X[:, :-1]) / 2)
+        own_slope = steepness - p
         in_cells = np.append((rp[:, 1:] + rp[:, :-1]) / 2 / middle, np.zeros((len(p), 1)), axis=1)
         pressure = np.concatenate([p.ravel(), in_cells.ravel()[:-1]])
         own = OwnPressure(pressure, layers.equations.strain(pressure))
