@@ -397,7 +397,7 @@ def test_layers_that_separate(share: float, changes: dict):
     assert result.separation_radius == edges_found[-1]
     miss = np.max(np.abs(rings.P - np.interp(rings.r, result.radius, result.pressure)))
     assert miss <= 1.25 * result.errors["peak_pressure"]
-    assert result.errors["peak_pressure"] < 0.1 * result.peak_pressure
+    assert result.errors["peak_pressure"] < 0.2 * result.peak_pressure
     assert result.residuals.largest <= 1e-8
 
 

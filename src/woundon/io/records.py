@@ -29,9 +29,11 @@ __all__ = [
     "SCHEMA",
     "Record",
     "from_record",
+    "is_of_thin_layers",
     "number",
     "saved_fields",
     "saved_values",
+    "solved_again",
     "to_record",
 ]
 
@@ -151,6 +153,28 @@ def _dimensions(values: Mapping[str, Any]) -> dict[str, list[str]]:
 
 
 # ---- from a record ------------------------------------------------------------------------------
+
+
+def is_of_thin_layers(record: Record) -> bool:
+    """Return True for a roll or a winding of version 0.3, which computed them with thin layers."""
+    return record.get("kind") in ("roll", "winding") and str(record["version"]).startswith("0.3.")
+
+
+def solved_again(record: Record) -> Result:
+    """Return the solution of the problem of a record, with a warning.
+
+    Raises
+    ------
+    InvalidProblem, NotConverged
+    """
+    kind = kinds.named(str(record["kind"]))
+    text = (
+        f"the file is of woundon {record['version']}, whose pressures were those of infinitely thin "
+        "layers; its problem has been solved again"
+    )
+    warnings.warn(text, UserWarning, stacklevel=4)
+    result: Result = kind.solver(kind.problem(**record["problem"]))
+    return result
 
 
 def from_record(record: Record) -> Result:

@@ -23,7 +23,16 @@ from .datasets import record_of_netcdf, to_netcdf
 from .files import read_whole, write_whole
 from .frames import to_csv
 from .json_texts import plain
-from .records import FORMAT, SCHEMA, Record, from_record, number, to_record
+from .records import (
+    FORMAT,
+    SCHEMA,
+    Record,
+    from_record,
+    is_of_thin_layers,
+    number,
+    solved_again,
+    to_record,
+)
 
 if TYPE_CHECKING:
     from ..sensitivity import Sensitivity
@@ -56,6 +65,8 @@ def load_result(path: str | Path) -> Result:
     units of the result.  The residuals are recomputed from the problem and the arrays and must be
     within the limits of a solution; the outputs in the file must be those that the arrays give.
     The nips of a winding are solved again by :meth:`woundon.WindingResult.recomputed_nips` only.
+    Rolls and windings of version 0.3, whose layers were infinitely thin, are solved again with the
+    default options, with a warning.
 
     Parameters
     ----------
@@ -83,6 +94,8 @@ def load_result(path: str | Path) -> Result:
         raise InvalidProblem.at(str(path), text)
     try:
         record = _read(content)
+        if is_of_thin_layers(record):
+            return solved_again(record)
         result = from_record(record)
         _check_units(record, result)
         _verify(record, result)

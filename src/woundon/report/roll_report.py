@@ -35,9 +35,9 @@ __all__ = [
     "OFF_CORE",
     "ROLL",
     "changes_sections",
+    "layers_note",
     "off_core_sections",
     "roll_report",
-    "thin_layers_note",
 ]
 
 # in other rows
@@ -108,7 +108,7 @@ def roll_report(result: RollResult) -> list[Part]:
         Section(
             "Wound roll",
             rows_of(result, names, leave=left_out, **notes),
-            thin_layers_note(result) + _compression_note(result),
+            layers_note(result) + _compression_note(result),
         ),
         *changes_sections(problem),
         *off_core_sections(result, result),
@@ -124,13 +124,13 @@ def _location(radius: float) -> str:
     return f", at r = {quantity_of(RollResult, 'radius').text(radius)}"
 
 
-def thin_layers_note(roll: RollResult) -> str:
-    """Return a remark on what pressures and errors refer to: layers without and with thickness."""
-    at_rest = " of the roll at rest" if roll.problem.centrifugal_stress else ""
+def layers_note(roll: RollResult) -> str:
+    """Return a remark on the layers to which pressures and stresses refer."""
+    of_roll = "The roll is at rest. " if roll.problem.centrifugal_stress else ""
     return (
-        f"Pressures and stresses are those of infinitely thin layers{at_rest}. The thickness of "
-        f"the layers changes the pressure by {100 * roll.finite_layer_effect:+.3g} % of the "
-        "largest; the errors include this and the variation of the hoop stress across a layer."
+        f"{of_roll}The thickness of the layers changes the pressure by "
+        f"{100 * roll.finite_layer_effect:+.3g} % of the largest, which is included; the hoop "
+        "stress is the mean across a layer."
     )
 
 

@@ -25,8 +25,8 @@ from .roll_report import (
     OFF_CORE,
     ROLL,
     changes_sections,
+    layers_note,
     off_core_sections,
-    thin_layers_note,
 )
 from .trade_rule import winding_trade_rule
 from .winder_report import winder_parts
@@ -138,7 +138,7 @@ def winding_report(result: WindingResult) -> list[Part]:
         Section(
             "Wound roll",
             rows_of(result, of_roll + mass + air + ridge, leave=left_out),
-            thin_layers_note(result.roll),
+            layers_note(result.roll),
         ),
         *changes_sections(problem),
         *off_core_sections(result, result.roll),

@@ -1,9 +1,10 @@
 r"""Density of a wound roll over its radius.
 
 A layer wound at s with the stress T loads the roll below by T h/s.  The surface moves inwards by
-(1 + kappa) T h/E_t, so that the radius increases by less than the layer thickness,
+(1 + kappa) T h/E_t, and the layer itself is compressed by F(p), p = T h/2s, so that the radius
+increases by less than the layer thickness,
 
-    ds = h_0 g dn,    g = 1 - (1 + kappa) T/E_t,    h_0 = h/(1 - F(p_c)),
+    ds = h_0 g dn,    g = 1 - (1 + kappa) T/E_t - F(p),    h_0 = h/(1 - F(p_c)),
 
 where h_0 is the thickness without pressure of a web that has the thickness h under the pressure
 p_c.  The length of this web, stretched by T/E_t, is dL = 2 pi s ds/(h_0 g (1 + T/E_t)), and its
@@ -11,7 +12,7 @@ mass is dm = rho h dL.  Divided by the increase of the roll volume, it is the de
 analyser measures during winding, from the diameter and the length of web on the roll.  Divided by
 the final volume of these layers, at r + u, it is the density of the finished roll, in which
 
-    du/dr = (1 + kappa) T/E_t + eps_r,    eps_r = -F(P) - nu sigma_t/E_t + e_r + eps_g
+    du/dr = 1 - g + eps_r,    eps_r = -F(P) - nu sigma_t/E_t + e_r + eps_g
 
 (eps_g by gaps between open layers) follows from the equations (:mod:`.equations`), so that a layer
 of the finished roll has the thickness h_0 (1 + eps_r) to first order of the strains, h (1 - (F(P) -
@@ -25,7 +26,7 @@ from math import pi
 
 import numpy as np
 
-from .finished import FinalChanges, opening
+from .finished import FinalChanges, layers_of, opening
 from .roll_fields import RollFields
 
 __all__ = [
@@ -42,13 +43,15 @@ GAUSS = 4  # points of a cell
 
 
 def _winding_strains(result: RollFields, r: Array) -> tuple[Array, Array]:
-    """Return (1 + kappa) T/E_t and T/E_t at radii r (k,) [m], two (k,) arrays [1].
+    """Return 1 - g and T/E_t at radii r (k,) [m], two (k,) arrays [1].
 
-    The first is the inward displacement of the surface by a layer wound there, relative to its
-    thickness; the second is the strain of the web as wound.
+    The first is by how much less than its thickness a layer wound there increases the radius,
+    relative to it; the second is the strain of the web as wound.
     """
-    strain = result.problem.tension_curve.at(r) / result.problem.stack.tangential
-    return (1 + result.kappa(np.log(r))) * strain, strain
+    x, layers = np.log(r), layers_of(result.problem)
+    strain = layers.tension.at(r) / layers.equations.tangential
+    compression = layers.equations.strain(layers.own_pressure(x))
+    return (1 + result.kappa(x)) * strain + compression, strain
 
 
 def _length_per_volume(result: RollFields, r: Array) -> Array:

@@ -76,16 +76,16 @@ def finite_layer_errors(result: RollFields) -> dict[str, float]:
     change, _ = finite_layer_stresses(result)
     r, x = result.radius, np.log(result.radius)
     layers = layers_of(result.problem)
-    # p x/6 with x = (2 + kappa) h/r, the decrease of a layer's pressure per layer below it
+    # a layer's pressure decreases per layer below it by exp(-decrease)
     decrease = np.abs(2 + result.kappa(x)) * layers.thickness / r
-    # of the curve through the faces of the layers, which varies by no more than from one to the next
+    # of the curve through the faces of the layers, at most its change from one face to the next
     curvature = np.abs(np.gradient(result.pressure_gradient, x)) * (layers.thickness / r) ** 2 / 12
     next_x = np.log(np.minimum(r + layers.thickness, r[-1]))
     arrays = x, result.pressure, result.pressure_gradient
     steps = np.abs(interpolate_pressure(*arrays, next_x)[0] - result.pressure)
     size = np.minimum(curvature, steps) + SAFETY * np.maximum(
-        np.abs(change) * (_higher_order_factor(change, result.pressure - change) - 1),
-        layers.own_pressure(x) * decrease / 6,
+        np.abs(change) * _higher_orders_of(change, result.pressure - change),
+        layers.own_pressure(x) * _higher_orders(decrease),
     )
     at_core = SAFETY * (_factor_at_core(result.problem) - 1)
     if not result.is_off_core:
@@ -150,18 +150,22 @@ def _change_by_mean_compression(result: RollFields) -> tuple[Array, Array]:
     return zones.spread(np.abs(P), x.size), zones.spread(np.abs(P + Q), x.size)
 
 
-def _higher_order_factor(change: Array, pressure: Array) -> Array:
-    """Return the factor of a change by finite layers that includes the terms of higher order.
+def _higher_orders(x: Array) -> Array:
+    """Return the terms of higher order in a sum over layers, relative to that of first order.
 
     Where the pressure by a layer decreases as exp(-x) per layer below it, thin layers add up to
-    P = p/x, and finite ones to p/(1 - exp(-x)): a relative change of x/(1 - exp(-x)) - 1, of which
-    the term of first order is x/2.  The factor is between 1 and 2.
+    P = 2 p/x, and finite ones to 2 p/(1 - exp(-x)) = 2 p/x + p + p x/6 - ...: the terms after p,
+    over p, are between 0 and 1.
     """
+    x = np.maximum(x, 1e-4)  # below, digits cancel
+    return np.asarray(2 / -np.expm1(-x) - 2 / x - 1)
+
+
+def _higher_orders_of(change: Array, thin: Array) -> Array:
+    """Return :func:`_higher_orders` for a change p of first order, and thin layers, 2 p/x [Pa]."""
     size = 2 * np.abs(change)
     # at most 1e4, also where the pressure is zero
-    x = size / np.maximum(pressure, np.maximum(1e-4 * size, np.finfo(float).tiny))
-    x = np.maximum(x, 1e-4)  # below, the factor is 1 + x/6
-    return np.asarray((x / -np.expm1(-x) - 1) / (x / 2))
+    return _higher_orders(size / np.maximum(thin, np.maximum(1e-4 * size, np.finfo(float).tiny)))
 
 
 def _factor_at_core(problem: RollProblem) -> float:
