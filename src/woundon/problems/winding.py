@@ -51,7 +51,7 @@ from .nip import (
     friction_capacity,
     slack_on_drum,
 )
-from .paths import field_or_none, field_quantity
+from .paths import field_or_none, quantity_of_field
 from .permitted import Conditional, in_brackets, is_within
 from .problem import only_in
 from .radial_laws import Pfeiffer
@@ -522,8 +522,7 @@ class WindingProblem(FinishedRollProblem):
         if schedule is None or isinstance(schedule, str):
             return
         low, high = schedule_limits(name, has_winder=self.winder is not None)
-        quantity = field_quantity(self, name)
-        unit = "" if quantity is None else in_brackets(quantity.unit)
+        unit = in_brackets(quantity_of_field(self, name).unit)
         must = f"must be >= {low:g} and <= {high:g}{unit}"
         if name == "nip_load" and not isinstance(schedule, Profile | Taper | Steps):
             if schedule == 0.0:  # without a nip

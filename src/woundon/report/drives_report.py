@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..problems.paths import field_quantity
+from ..problems.paths import quantity_of_field
 from ..winding.drives import DRIVES, Drive
 from ..winding.result import WindingResult
 from .panels import Axis, Curve, Panel
@@ -95,8 +95,7 @@ def _limits_of_use(result: WindingResult) -> str:
     """Return the acceleration that the largest values include, and what they neglect."""
     problem = result.problem
     acceleration = problem.limits.acceleration
-    quantity = field_quantity(problem, "limits.acceleration")
-    assert quantity is not None
+    quantity = quantity_of_field(problem, "limits.acceleration")
     text = "At constant web speed (limits.acceleration is 0)."
     if acceleration:
         speed = f"speeding up and slowing down by {quantity.text(acceleration)}"
