@@ -11,15 +11,14 @@ from ..winding.drives import DRIVES, Drive
 from ..winding.result import WindingResult
 from .panels import Axis, Curve, Panel
 from .report_parts import (
-    Column,
     Part,
     Row,
     Section,
-    Table,
     TableRow,
     output_row,
     quantity_of,
     values_row,
+    values_table,
 )
 from .roll_panels import over_radius
 
@@ -55,9 +54,8 @@ def drive_parts(result: WindingResult) -> list[Part]:
         for what in ("torque", "power"):
             meaning = f"largest {what} of the {words} drive"
             largest.append(output_row(result, f"{name}.largest_{what}", meaning=meaning))
-    columns = (Column(), *(Column("", "number") for _ in r), Column("", "unit"))
     return [
-        Table("Drives", columns, tuple(rows), _note(result)),
+        values_table("Drives", [""] * r.size, rows, _note(result)),
         Section("Largest torque and power of the drives", tuple(largest), _limits_of_use(result)),
     ]
 

@@ -50,6 +50,7 @@ __all__ = [
     "schedule_rows",
     "value_row",
     "values_row",
+    "values_table",
     "warning_lines",
     "zone_line",
     "zone_strips",
@@ -182,6 +183,14 @@ def values_row(label: str, quantity: Quantity, values: Array) -> TableRow:
     """Return the row of several values in the unit for display, which the last cell states."""
     shown = (f"{float(value) + 0.0:.4g}" for value in np.round(quantity.shown(values), 6))
     return TableRow((label, *shown, quantity.display))
+
+
+def values_table(
+    title: str, heads: Sequence[str], rows: Iterable[TableRow], text: str = ""
+) -> Table:
+    """Return a table of rows as of :func:`values_row`, with a head for each of their values."""
+    columns = (Column(), *(Column(head, "number") for head in heads), Column("", "unit"))
+    return Table(title, columns, tuple(rows), text)
 
 
 @dataclass(frozen=True, eq=False)
