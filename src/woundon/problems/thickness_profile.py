@@ -12,12 +12,21 @@ from pydantic import Field, model_validator
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, pure, share
 from .description import Description
-from .fields import Number, Numbers, OptionalNumbers, check_equal_lengths, check_rising, default
+from .fields import (
+    Number,
+    Numbers,
+    OptionalNested,
+    OptionalNumbers,
+    check_equal_lengths,
+    check_rising,
+    default,
+)
 from .messages import quote
 from .units import parse
 
 __all__ = [
     "Lanes",
+    "OptionalThicknessProfile",
     "Oscillation",
     "ThicknessProfile",
     "faults_across",
@@ -241,6 +250,12 @@ class ThicknessProfile(Description):
         chosen = [np.argmax(d), np.argmin(d), np.argmax(b), np.argmin(b)][: 2 if not b.any() else 4]
         y = np.append(places[chosen], list(further))
         return Lanes(y, np.zeros(y.size), np.interp(y, places, d), np.interp(y, places, b))
+
+
+# Field of rolls and windings.
+OptionalThicknessProfile = Annotated[
+    OptionalNested[ThicknessProfile], Field(description="thickness of the web across its width")
+]
 
 
 def _amplitude(oscillation: float | str) -> float:
