@@ -19,6 +19,7 @@ from .fields import (
     OptionalNumbers,
     check_equal_lengths,
     check_rising,
+    check_within,
     default,
 )
 from .messages import quote
@@ -165,10 +166,7 @@ class ThicknessProfile(Description):
             raise InvalidProblem.at("variation", f"{text}{THICKEST:g} of the mean")
         if self.slack is not None:
             check_equal_lengths(self, "position", "slack")
-            for k, b in enumerate(self.slack):
-                if not 0 <= b <= MOST_SLACK:
-                    text = f"{quote(b)} is out of range; must be >= 0 and <= {MOST_SLACK:g}"
-                    raise InvalidProblem.at(f"slack.{k}", text)
+            check_within(self, "slack", 0.0, MOST_SLACK)
         if self.spread is not None:
             check_equal_lengths(self, "position", "spread")
             for k, s in enumerate(self.spread):
