@@ -110,8 +110,8 @@ def _limits_of_use(result: WindingResult) -> str:
 
 def torque_panel(result: WindingResult) -> Panel:
     """Return the panel of the torque of the drives, with that of the acceleration dashed."""
-    curves = []
-    for name, (words, drive) in _named_drives(result).items():
+    drives, curves = _named_drives(result), []
+    for name, (words, drive) in drives.items():
         output = f"{name}.torque"
         curves.append(Curve.of_output(result, output, result.drive_radius, words, COLOURS[name]))
         if drive.acceleration_torque.any():
@@ -120,8 +120,7 @@ def torque_panel(result: WindingResult) -> Panel:
             curves.append(
                 Curve("", result.drive_radius, faster, "M", label, COLOURS[name], line="dashed")
             )
-    quantity = quantity_of(result, f"{next(iter(_named_drives(result)))}.torque")
-    y = Axis("Torque", quantity, from_zero=True)
+    y = Axis("Torque", quantity_of(result, f"{next(iter(drives))}.torque"), from_zero=True)
     return over_radius(result.radius, "torque", "Torque of the drives", y, curves, legend="right")
 
 
