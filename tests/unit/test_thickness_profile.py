@@ -20,49 +20,8 @@ BAND = wo.ThicknessProfile(position=Y, thickness=66e-6 * (1 + 0.008 * (np.abs(Y 
 ROLL = wo.RollProblem.example().replace(thickness_profile=BAND)
 
 
-@pytest.mark.parametrize(
-    ("fields", "message"),
-    [
-        ({"position": [0, 1], "thickness": [1, -1]}, r"thickness\.1: -1 .*> 0 \[m\]"),
-        ({"position": [0, 1], "thickness": [1, 0]}, r"thickness\.1: 0 .*> 0 \[m\]"),
-        ({"position": [0, 1], "thickness": [1, 4]}, r"thickness\.0: 1 .*>= 1\.25 and <= 3\.75"),
-        ({"position": [0, 2, 1], "thickness": [1, 1, 1]}, r"position\.2: 1 .*> 2"),
-        ({"position": [0, 1, 1], "thickness": [1, 1, 1]}, r"position\.2: 1 .*> 1"),
-        ({"position": [0, 1, 2], "thickness": [1, 1]}, "thickness: 2 values.*position, 3"),
-        ({"position": [0, 1], "thickness": [1, float("nan")]}, r"thickness\.1: nan"),
-        ({"position": [0, 1], "thickness": [1, None]}, r"thickness\.1"),
-        ({"position": [0], "thickness": [1]}, "position"),
-        ({"position": [0, 1], "thickness": [1, 1], "slack": [0, 0.2]}, r"slack\.1: 0\.2 .*<= 0\.1"),
-        ({"position": [0, 1], "thickness": [1, 1], "slack": [0]}, "slack"),
-        ({"position": [0, 1], "thickness": [1, 1.2], "variation": 8}, "variation: 8 .*<= 5.5"),
-        ({"position": [0, 1], "thickness": ["45 gsm", "46 gsm"]}, "basis weight.*density"),
-    ],
-)
-def test_rejected_profiles(fields, message):
-    with pytest.raises(wo.InvalidProblem, match=message):
-        wo.ThicknessProfile(**fields)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"gauge_excess": 0.01}, "gauge_excess: 0.01 .*thickness_profile; must be one of the two"),
-        ({"oscillation": 1.2}, r"oscillation: 1\.2 .*<= 1 \[m\], half the width"),
-        ({"oscillation": -0.1}, "oscillation: -0.1 .*>= 0"),
-    ],
-)
-def test_rejected_rolls(changes, message):
-    with pytest.raises(wo.InvalidProblem, match=message):
-        ROLL.replace(**changes)
-
-
-def test_a_profile_of_another_width_is_rejected():
-    winding = wo.WindingProblem.example()
-    with pytest.raises(
-        wo.InvalidProblem, match=r"position: covers a width of 2 .*2\.94 and <= 3\.06"
-    ):
-        winding.replace(width=3.0, thickness_profile=BAND)
-    winding.replace(width=2.01, thickness_profile=BAND)
+def test_a_profile_may_be_a_little_narrower_than_the_web():
+    assert wo.WindingProblem.example().replace(width=2.01, thickness_profile=BAND).width == 2.01
 
 
 def test_a_profile_of_another_web_is_an_input_warning():
@@ -206,13 +165,6 @@ def test_errors_of_a_scan_name_the_file(tmp_path, rows, words):
     place = "thickness_profile." if "out of range" in words else f"{path}: "
     with pytest.raises(wo.InvalidProblem, match=re.escape(f"{place}{words}")):
         wo.load_case(tmp_path / "roll.toml")
-
-
-def test_the_range_of_a_relative_thickness_has_no_unit():
-    with pytest.raises(wo.InvalidProblem, match=r">= 0\.875 and <= 2\.625, 0\.5 to 1\.5 of"):
-        wo.ThicknessProfile(position=[0, 1, 2], thickness=[1, 1, 4])
-    with pytest.raises(wo.InvalidProblem, match=r"<= 0\.0001493 \[m\], 0\.5 to 1\.5 of"):
-        wo.ThicknessProfile(position=[0, 1, 2], thickness=["66 um", "66 um", "200 um"])
 
 
 @pytest.mark.parametrize("name", ['""', "3", '["scan.csv"]'])
