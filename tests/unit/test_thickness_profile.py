@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import warnings
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -353,7 +352,6 @@ def test_thickness_and_ridges_have_one_zero(result, tmp_path):
         low, high = axes.get_ylim()
         assert low < min(curve.get_ydata())
         assert max(curve.get_ydata()) < high
-    plt.close(figure)
 
 
 # ---- studies ------------------------------------------------------------------------------------
@@ -463,13 +461,11 @@ def test_the_figure_of_a_window_has_the_fields_on_its_axes(window, tmp_path):
     assert axes.get_xlabel() == "amplitude of the oscillation of the web across the roll [mm]"
     assert axes.get_ylabel() == "factor of the variation of the thickness"
     assert axes.get_xlim() == (0.0, 300.0)
-    plt.close(figure)
     with units_of(["mill"]):
         figure = window.plot(tmp_path / "mill.png")
         assert figure.axes[0].get_xlabel().endswith("across the roll [in]")
         inches = window.best.values["oscillation"] / 0.0254
         assert f"oscillation {inches:.4g} in" in str(window)
-    plt.close(figure)
     header = str(window.to_dataframe().columns.tolist())
     assert "'oscillation', 'thickness_profile.variation', 'probability'" in header
 
