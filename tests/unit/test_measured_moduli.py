@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,6 @@ from viscoelastic_cases import cover
 
 import woundon as wo
 from woundon.elasticity.prony_fit import complex_modulus, usable_range
-from woundon.io.case_files import make_problem
 from woundon.io.case_texts import to_toml
 
 Array = np.ndarray
@@ -56,17 +54,6 @@ def test_a_relative_list_is_that_of_absolute_moduli() -> None:
     assert one.rolling_resistance > 1
     assert one.rolling_resistance == pytest.approx(two.rolling_resistance, rel=1e-10)
     assert one.wound_on_tension == pytest.approx(two.wound_on_tension, rel=1e-10)
-
-
-@pytest.mark.parametrize("bulk", ["relaxing", "constant"])
-@pytest.mark.parametrize("comments", [False, True])
-def test_case_files_with_a_relative_list(bulk: str, comments: bool) -> None:
-    material = wo.RelativeProny(
-        instantaneous_modulus="10 MPa", poissons_ratio=0.45, prony_relative=[("30 %", "1 ms")],
-        bulk=bulk,
-    )  # fmt: skip
-    problem = nip(material, roll_wrap=pi)
-    assert make_problem(tomllib.loads(to_toml(problem, comments=comments))) == problem
 
 
 # ---- dynamic tests ------------------------------------------------------------------------------
@@ -182,14 +169,6 @@ def test_relaxation_and_dynamic_test_of_one_material_agree() -> None:
     # both series follow their table to 0.5 %
     assert one.rolling_resistance == pytest.approx(two.rolling_resistance, rel=0.02)
     assert one.nip_width == pytest.approx(two.nip_width, rel=0.002)
-
-
-def test_a_relaxation_test_in_a_case_file() -> None:
-    test = wo.RelaxationTest(
-        time=["1 ms", "10 ms", "1 s"], modulus=["12 MPa", "10 MPa", "9 MPa"], poissons_ratio=0.48
-    )
-    problem = nip(test, roll_wrap=pi)
-    assert make_problem(tomllib.loads(to_toml(problem))) == problem
 
 
 def test_a_nip_beyond_the_times_of_a_relaxation_test_is_reported() -> None:

@@ -12,7 +12,6 @@ import pytest
 
 import woundon as wo
 from woundon.io.case_files import make_problem
-from woundon.io.case_texts import to_toml
 from woundon.io.chosen_units import units_of
 from woundon.quantities import walk
 
@@ -147,21 +146,6 @@ def test_a_rider_load_may_depend_on_the_radius() -> None:
         entered = PRESCRIBED.replace(width=width, **{"winder.rider_load": rider_load})
         assert entered.winder is not None
         assert entered.winder.rider_load == 1000.0
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {},
-        {"winder.rider": wo.Rigid(radius=0.1), "winder.rider_friction": 0.3},
-        {"winder.rider_load": wo.Taper(start=3000.0, taper=0.5)},
-        {"winder.front_drum": wo.Cylinder(radius=0.25, core_radius=0.235, material="rubber")},
-        {"winder.core_torque": wo.Profile(radius=[0.05, 0.6], value=[10.0, 30.0])},
-    ],
-)
-def test_a_case_file_gives_the_winder_back(changes: dict[str, Any]) -> None:
-    problem = CASE.replace(**changes)
-    assert make_problem(tomllib.loads(to_toml(problem))) == problem
 
 
 def test_the_cases_of_the_guides_are_valid() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +9,6 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from woundon.io.case_files import make_problem
-from woundon.io.case_texts import to_toml
 from woundon.roll.stages import stages_at
 
 WINDING = wo.WindingProblem.example().replace(radius=0.12)
@@ -100,7 +97,6 @@ def test_lanes_of_a_winding_have_the_changes():
 
 def test_the_changes_are_in_case_files_and_results(tmp_path: Path):
     problem = WINDING.replace(tension_law="friction", **DRIED, core_shrinkage=1e-3)
-    assert make_problem(tomllib.loads(to_toml(problem))) == problem
     result = wo.solve(problem)
     result.save(tmp_path / "roll.json")
     loaded = wo.load_result(tmp_path / "roll.json")
