@@ -33,7 +33,7 @@ from .materials import Isotropic, OptionalMaterial
 from .messages import quote
 from .permitted import Conditional, is_within
 from .problem import only_in
-from .radial_laws import Pfeiffer, RadialLaw
+from .radial_laws import RadialLaw
 from .schedules import (
     Curve,
     Profile,
@@ -43,7 +43,7 @@ from .schedules import (
     unused_in_tapers,
     values_of,
 )
-from .stack import AnyStack, Stack
+from .stack import EXAMPLE, AnyStack
 from .thickness_profile import (
     OptionalThicknessProfile,
     Oscillation,
@@ -406,13 +406,10 @@ class RollProblem(FinishedRollProblem):
     @classmethod
     def example(cls) -> Self:
         """Return a newsprint roll of Table 2's web; the stack's K1 and K2 are illustrative."""
-        stack = Stack(
-            radial=Pfeiffer(K1=10e3, K2=40.0), tangential=3.38e9, poissons_ratio=0.01, shear=10e6
-        )
         return cls(
             core=Core(radius=0.0445, stiffness=1e9),
             radius=0.15,
-            stack=stack,
+            stack=EXAMPLE,
             web_thickness=66e-6,
             wound_on_tension=350.0,
             density=680.0,

@@ -54,7 +54,6 @@ from .nip import (
 from .paths import field_or_none, quantity_of_field
 from .permitted import Conditional, in_brackets, is_within
 from .problem import only_in
-from .radial_laws import Pfeiffer
 from .roll import FEWEST_LAYERS, Core, FinishedRadius, GaugeExcess, RollProblem
 from .schedules import (
     AnySchedule,
@@ -69,7 +68,7 @@ from .schedules import (
     unused_in_tapers,
     values_of,
 )
-from .stack import AnyStack, Stack
+from .stack import EXAMPLE, AnyStack
 from .thickness_profile import (
     OptionalThicknessProfile,
     Oscillation,
@@ -888,12 +887,9 @@ class WindingProblem(FinishedRollProblem):
     @classmethod
     def example(cls) -> Self:
         """Return newsprint of the thesis's Table 2 on a hard drum; K1 and K2 are illustrative."""
-        stack = Stack(
-            radial=Pfeiffer(K1=10e3, K2=40.0), tangential=3.38e9, poissons_ratio=0.01, shear=10e6
-        )
         return cls(
             web=Web(thickness=66e-6, material=material("newsprint")),
-            stack=stack,
+            stack=EXAMPLE,
             core=Core(radius=0.05, stiffness=1e9),
             drum=Rigid(radius=0.25),
             radius=0.6,
