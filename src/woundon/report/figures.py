@@ -56,7 +56,7 @@ COLOURS = {
     "soft": "#888888",
     "alarm": "#B00020",
 }
-ZONE_COLOURS = {-1: "#E69F00", 0: "#F0F0F0", 1: "#56B4E9"}
+ZONE_COLOURS = {-1: COLOURS["amber"], 0: "#F0F0F0", 1: COLOURS["sky"]}
 ZONE_HATCHES = {-1: "\\\\\\\\", 0: "", 1: "////"}
 FORMULA = re.compile(r"\$([^$]*)\$")  # in a label
 MICROMETRES = re.compile(r"(?<=\d )um\b")  # in a label
