@@ -14,7 +14,7 @@ import numpy as np
 from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem
 from ..io.cells import numbers_by_name
-from ..io.files import check_writable
+from ..io.files import check_ending, check_writable
 from ..io.sheets import Sheet, TableSource, read_sheet
 from ..io.spreadsheets import write_csv
 from ..io.tables import Column, Names, match_columns
@@ -198,10 +198,7 @@ class MasterCurve(Outcome):
             For another ending, and a folder that does not exist or cannot be written.
         """
         check_type("path", path, str, os.PathLike)
-        ending = Path(path).suffix
-        if ending != ".csv":
-            text = f"the ending {ending!r} is not a known format; must be .csv"
-            raise InvalidProblem.at(str(path), text)
+        check_ending(path, (".csv",))
         check_writable(Path(path))
         units = {"frequency": "Hz", "storage_modulus": "Pa", "loss_modulus": "Pa"}
         frame = self.to_dataframe()[list(units)]
