@@ -169,8 +169,8 @@ def solved_again(record: Record) -> Result:
     """
     kind = kinds.named(str(record["kind"]))
     text = (
-        f"the file is of woundon {record['version']}, whose pressures were those of infinitely thin "
-        "layers; its problem has been solved again"
+        f"the file is of woundon {record['version']}, whose pressures were those of infinitely "
+        "thin layers; its problem has been solved again"
     )
     warnings.warn(text, UserWarning, stacklevel=4)
     result: Result = kind.solver(kind.problem(**record["problem"]))
