@@ -87,12 +87,12 @@ def test_lone_bands_of_three_rolls(web, tensions, ratios):
     assert lane.wound_on_tension[:, -1] == pytest.approx(
         laid.tension[-1] * h * (1 + lanes.excess), rel=4e-3
     )
-    # The pressure at a third of the layers: rings of finite thickness are up to 0.40 % from the
-    # solver at the same radius (K2 127, 1 %), 0.35 % in PET.
+    # The pressure at a third of the layers: that of rings, which are at their actual radii, differs
+    # by up to 0.7 % at the same radius (K2 40, 1 %).
     mid = laid.laid[500, 0]
     P = at(mid, lane.radius, lane.pressure.T)
     of_rings = at(mid, laid.laid[:, 0], laid.pressure)
-    assert P[1:] / P[0] == pytest.approx(of_rings[1:] / of_rings[0], rel=5e-3)
+    assert P == pytest.approx(of_rings, rel=9e-3)
     # The strips' ratios are "deep in a long roll", without a radius, and vary along it: in PET 5.45
     # at a fifth of the layers, 5.35 at a third, 4.85 at half, against 5.2.  Measured at a third:
     # 0.3 and 0.5 % (K2 40), 0.3 and 0.1 % (K2 127), 1.7 and 2.9 % (PET).
@@ -113,40 +113,25 @@ def test_lone_bands_of_three_rolls(web, tensions, ratios):
     ],
 )
 def test_layers_of_finite_thickness(web, excess, share, slack):
-    """Independent program: tension within 1 % and pressure within 2 % of the largest.
-
-    Layers of the web thickness h and of h/2 are extrapolated to thin ones: their error is of order
-    one in h.
-    """
+    """Independent program: tension within 1 % and pressure within 2 % of the largest."""
     lanes = lanes_of(np.array(excess) - np.dot(share, excess), share, slack)
     R = 0.08
     lane = solve(roll_of(web, R), lanes)
-    # both end at the radius R, except for a layer, which counts near the surface
-    coarse, fine = (rings(web, lanes, 900, refine=k, until=R) for k in (1, 2))
-    mean = [laid.laid @ lanes.share for laid in (coarse, fine)]
-    h = STACKS[web][2]
+    # ends at the radius R, except for a layer, which counts near the surface
+    laid = rings(web, lanes, 900, until=R)
+    mean, h = laid.laid @ lanes.share, STACKS[web][2]
     largest = lane.pressure.max()
     for radius in (CORE + 10 * h, 0.053, 0.06, 0.07, 0.073):
         tension = at(radius, lane.radius, lane.wound_on_tension.T)
-        finite = [
-            at(radius, r, laid.tension * h * (1 + lanes.excess))
-            for r, laid in zip(mean, (coarse, fine), strict=True)
-        ]
-        thin = 2 * finite[1] - finite[0]
-        assert tension == pytest.approx(thin, rel=2e-3, abs=0.1)
+        of_rings = at(radius, mean, laid.tension * h * (1 + lanes.excess))
+        assert tension == pytest.approx(of_rings, rel=2e-3, abs=0.1)
         pressure = at(radius, lane.radius, lane.pressure.T)
-        finite = [
-            at(radius, r, laid.pressure) for r, laid in zip(mean, (coarse, fine), strict=True)
-        ]
-        thin = 2 * finite[1] - finite[0]
-        assert pressure == pytest.approx(thin, abs=0.02 * largest)
+        of_rings = at(radius, mean, laid.pressure)
+        assert pressure == pytest.approx(of_rings, abs=0.02 * largest)
         ridge = at(radius, lane.radius, lane.ridge_height.T)
-        finite = [
-            at(radius, r, laid.laid - r[:, None])
-            for r, laid in zip(mean, (coarse, fine), strict=True)
-        ]
+        of_rings = at(radius, mean, laid.laid - mean[:, None])
         size = np.max(np.abs(lane.ridge_height))
-        assert ridge == pytest.approx(2 * finite[1] - finite[0], abs=0.01 * size)
+        assert ridge == pytest.approx(of_rings, abs=0.01 * size)
 
 
 @pytest.mark.slow
@@ -165,7 +150,7 @@ def test_a_roll_of_finite_layers_at_its_actual_radii(web, R, worst):
     r, P = laid.laid[:, 0], laid.pressure[:, 0]
     finite, thin = (
         np.max(np.abs(np.interp(r, result.radius, values) - P)) / np.max(P)
-        for values in (result.pressure + result.finite_layer_change, result.pressure)
+        for values in (result.pressure, result.pressure - result.finite_layer_change)
     )
     assert finite == pytest.approx(worst, rel=0.05)
     assert thin > 1.5 * finite
