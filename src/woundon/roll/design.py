@@ -23,6 +23,7 @@ largest difference.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Annotated
@@ -154,8 +155,8 @@ def design_tension(
         )
     target = _TargetPressure(problem, _as_profile(problem, _Target(pressure=pressure).pressure))
     layers, last = layers_of(problem).thin, np.inf
+    stages = _TargetStages(layers, target)
     for _ in range(MOST_REPETITIONS):
-        stages = _TargetStages(layers, target)
         x = _refined_radii(stages, rtol)
         T = np.array([stages.tension(s) for s in x])
         smooth = _SmoothTension(x, T)
@@ -164,6 +165,7 @@ def design_tension(
         if last <= REPETITION_SHARE * rtol:
             break
         layers = replace(layers_of(problem), tension=smooth)
+        stages = _TargetStages(layers, target, stages.solved)
     else:
         raise NotConverged(
             "the layers are so thick that the tension is not found: its last change is "
@@ -312,8 +314,14 @@ class _TargetStages:
         Nodes and solution of each solved stage by ln r of its surface.
     """
 
-    def __init__(self, layers: Layers, target: _TargetPressure) -> None:
+    def __init__(
+        self,
+        layers: Layers,
+        target: _TargetPressure,
+        known: Mapping[float, tuple[Array, StageSolution]] | None = None,
+    ) -> None:
         self.layers, self.equations, self.target = layers, layers.equations, target
+        self.known = known or {}  # stages with another tension, the initial guesses of these
         core = target.knots[:1]
         P, Q = target.pressure(core), target.slope(core)
         if layers.thickness:
@@ -388,7 +396,9 @@ class _TargetStages:
         return self.solved[x][1]
 
     def _guess(self, x: float, nodes: Array) -> tuple[Array, Array]:
-        """Return the initial guess: the nearest stage, its surface moved to x."""
+        """Return the initial guess: the known stage, or the nearest one, its surface moved to x."""
+        if x in self.known:
+            return self.known[x][1].P, self.known[x][1].Q
         if not self.solved:
             T = self.T_c
             return T * (x - nodes), np.full_like(nodes, -T)
