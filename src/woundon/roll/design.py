@@ -98,8 +98,9 @@ class TensionDesign:
     def outer_layer(self) -> float:
         """Depth of the outer layer in which the error of the pressure exceeds ``rtol`` [m]."""
         deviation = np.abs(self.pressure - self.target_pressure)
-        outer = deviation > self.rtol * np.max(self.target_pressure)
-        return float(self.radius[-1] - self.radius[outer].min()) if outer.any() else 0.0
+        reached = np.flatnonzero(deviation <= self.rtol * np.max(self.target_pressure))
+        begin = self.radius[reached[-1] if reached.size else 0]
+        return float(self.radius[-1] - begin)
 
     @property
     def surface_deviation(self) -> float:
@@ -123,7 +124,7 @@ def design_tension(
         ln r by a cubic spline if it is ``smooth``, otherwise by a monotone curve.
     rtol : float
         Accepted error of the pressure below the outer layer, relative to the largest; 1e-6
-        to 0.01.
+        to 0.01.  On the core, where the tension changes from layer to layer, it is up to 1e-3.
 
     Returns
     -------
