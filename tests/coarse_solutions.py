@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from inspect import signature
 from typing import Any
 
 import woundon as wo
@@ -17,10 +16,9 @@ WINDING = {"rtol": 0.1, "coupling_rtol": 1e-2, "nodes": 25}
 
 def coarse_options(kind: kinds.Kind, nodes: int) -> dict[str, Any]:
     """Return options of a kind's solver that make it quick."""
-    options = signature(kind.solver).parameters
-    if "coupling_rtol" in options:
+    if "coupling_rtol" in kind.keywords:
         return dict(WINDING)
-    return {"nodes": nodes} if "nodes" in options else {}
+    return {"nodes": nodes} if "nodes" in kind.keywords else {}
 
 
 def solve_coarsely(problem: wo.Problem, nodes: int = 25) -> Any:

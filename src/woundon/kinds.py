@@ -14,9 +14,10 @@ up here.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from inspect import Parameter, signature
+from functools import cached_property
+from inspect import signature
 from typing import (
     Annotated,
     Any,
@@ -117,6 +118,12 @@ class Kind(Generic[ProblemT, ResultT]):
         except NotImplementedError:
             raise InvalidProblem.at("kind", f"{self.name!r} has no example") from None
 
+    @cached_property
+    def keywords(self) -> Mapping[str, Any]:
+        """Keyword-only arguments of the solver with their defaults."""
+        arguments = signature(self.solver).parameters.values()
+        return {a.name: a.default for a in arguments if a.kind is a.KEYWORD_ONLY}
+
     def solver_options(self) -> dict[str, SolverOption]:
         """Return the options of the solver by name.
 
@@ -124,13 +131,9 @@ class Kind(Generic[ProblemT, ResultT]):
         of the problem.  The others (functions, warm starts) are for Python only.
         """
         hints = get_type_hints(self.solver, include_extras=True)
-        options = {}
-        for name, argument in signature(self.solver).parameters.items():
-            if argument.kind is Parameter.KEYWORD_ONLY and name not in self.problem.model_fields:
-                option = _option_of(hints.get(name))
-                if option is not None:
-                    options[name] = option
-        return options
+        names = [name for name in self.keywords if name not in self.problem.model_fields]
+        options = {name: _option_of(hints.get(name)) for name in names}
+        return {name: option for name, option in options.items() if option is not None}
 
 
 def _option_of(hint: Any) -> SolverOption | None:

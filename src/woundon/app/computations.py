@@ -11,7 +11,6 @@ import time
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from inspect import signature
 from math import isinf
 from typing import Any
 
@@ -87,7 +86,7 @@ def warm_up() -> None:
     """
     began = time.perf_counter()
     for kind in kinds.every():
-        slow = "coupling_rtol" in signature(kind.solver).parameters  # iterates over nips and rolls
+        slow = "coupling_rtol" in kind.keywords  # iterates over nips and rolls
         if not slow and time.perf_counter() - began < WARM_UP:
             with suppress(InvalidProblem):
                 state_of(solved(kind.example(), {}))
@@ -144,7 +143,7 @@ def solved(
     """
     kind = kinds.of(problem)
     options = checked_options(kind, options)
-    if warm and "errors" in signature(kind.solver).parameters:
+    if warm and "errors" in kind.keywords:
         options = WARM_OPTIONS | options
     model = KindModel(problem, outputs=(), options=options)
     with unwarned():

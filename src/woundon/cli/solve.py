@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -163,7 +162,7 @@ def _solve(problem: Problem, arguments: Mapping[str, Any]) -> Any:
     """Solve, with a progress bar on a terminal if the solver reports its progress."""
     from .. import kinds
 
-    reports = "progress" in inspect.signature(kinds.of(problem).solver).parameters
+    reports = "progress" in kinds.of(problem).keywords
     with unwarned():  # the report contains the warnings
         if not (reports and sys.stderr.isatty()):
             return kinds.solve(problem, **arguments)

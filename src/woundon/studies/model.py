@@ -7,11 +7,9 @@ up in :mod:`woundon.kinds`, fields and outputs in :mod:`woundon.quantities`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cache
-from inspect import signature
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -261,10 +259,9 @@ class KindModel:
         In a worker process the solver is cancelled at its next report of progress, if requested.
         """
         kind, options = self.kind, dict(self.options)
-        known = _keywords(kind.solver)
-        if "progress" in known:
+        if "progress" in kind.keywords:
             options["progress"] = progress
-        if isinstance(start, kind.result) and "start" in known:
+        if isinstance(start, kind.result) and "start" in kind.keywords:
             with suppress(NotConverged):
                 return kind.solver(problem, start=start, **options)
         return kind.solver(problem, **options)
@@ -361,13 +358,6 @@ def kind_of(problem: Any) -> kinds.Kind:
     return kind
 
 
-@cache
-def _keywords(solver: Callable[..., Any]) -> Mapping[str, Any]:
-    """Return the keyword arguments of a solver with their defaults."""
-    parameters = signature(solver).parameters.values()
-    return {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
-
-
 def options_of(problem: Problem) -> dict[str, Any]:
     """Return the options of the solver of a problem with their defaults.
 
@@ -376,7 +366,7 @@ def options_of(problem: Problem) -> dict[str, Any]:
     True
     """
     excluded = {"start", "progress", *type(problem).model_fields}
-    keywords = _keywords(kind_of(problem).solver)
+    keywords = kind_of(problem).keywords
     return {name: default for name, default in keywords.items() if name not in excluded}
 
 
