@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arguments import check_arguments, whole_number
 from ..errors import InvalidProblem
-from .cases import MOST_CASES, Cases, check_number, scaled_to_range, table_of_cases
+from .cases import MOST_CASES, Cases, cases_in_ranges, check_number
 from .outcome import Outcome
 from .run import Table, failures
 
@@ -208,12 +208,7 @@ def saltelli_cases(ranges: Mapping[str, Any], samples: int, seed: int) -> Cases:
     A, B = unit[:, :d], unit[:, d:]
     mixed = [np.where(np.arange(d) == k, B, A) for k in range(d)]
     # sobol_indices_of relies on this order
-    points = np.concatenate([A, B, *mixed])
-    columns = {
-        name: scaled_to_range(name, ends, points[:, k])
-        for k, (name, ends) in enumerate(ranges.items())
-    }
-    return table_of_cases(columns)
+    return cases_in_ranges(ranges, np.concatenate([A, B, *mixed]))
 
 
 def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
