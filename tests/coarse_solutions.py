@@ -7,6 +7,7 @@ from typing import Any
 
 import woundon as wo
 from woundon import kinds
+from woundon.arguments import keywords_of
 
 __all__ = ["coarse_options", "coarse_solution", "solve_coarsely"]
 
@@ -16,9 +17,10 @@ WINDING = {"rtol": 0.1, "coupling_rtol": 1e-2, "nodes": 25}
 
 def coarse_options(kind: kinds.Kind, nodes: int) -> dict[str, Any]:
     """Return options of a kind's solver that make it quick."""
-    if "coupling_rtol" in kind.keywords:
+    options = keywords_of(kind.solver)
+    if "coupling_rtol" in options:
         return dict(WINDING)
-    return {"nodes": nodes} if "nodes" in kind.keywords else {}
+    return {"nodes": nodes} if "nodes" in options else {}
 
 
 def solve_coarsely(problem: wo.Problem, nodes: int = 25) -> Any:

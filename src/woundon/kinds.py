@@ -14,10 +14,8 @@ up here.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cached_property
-from inspect import signature
 from typing import (
     Annotated,
     Any,
@@ -32,7 +30,7 @@ from typing import (
 )
 
 from . import plugins
-from .arguments import Option
+from .arguments import Option, keywords_of
 from .errors import InputWarning, InvalidProblem, did_you_mean, one_of, warn
 from .nip.result import NipResult
 from .nip.roller_result import RollerResult
@@ -118,12 +116,6 @@ class Kind(Generic[ProblemT, ResultT]):
         except NotImplementedError:
             raise InvalidProblem.at("kind", f"{self.name!r} has no example") from None
 
-    @cached_property
-    def keywords(self) -> Mapping[str, Any]:
-        """Keyword-only arguments of the solver with their defaults."""
-        arguments = signature(self.solver).parameters.values()
-        return {a.name: a.default for a in arguments if a.kind is a.KEYWORD_ONLY}
-
     def solver_options(self) -> dict[str, SolverOption]:
         """Return the options of the solver by name.
 
@@ -131,7 +123,7 @@ class Kind(Generic[ProblemT, ResultT]):
         of the problem.  The others (functions, warm starts) are for Python only.
         """
         hints = get_type_hints(self.solver, include_extras=True)
-        names = [name for name in self.keywords if name not in self.problem.model_fields]
+        names = [n for n in keywords_of(self.solver) if n not in self.problem.model_fields]
         options = {name: _option_of(hints.get(name)) for name in names}
         return {name: option for name, option in options.items() if option is not None}
 

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from .. import kinds
+from ..arguments import keywords_of
 from ..errors import InvalidProblem, did_you_mean, unwarned
 from ..io.case_files import check_like_a_case, make_problem
 from ..problems.bodies import Body
@@ -86,7 +87,7 @@ def warm_up() -> None:
     """
     began = time.perf_counter()
     for kind in kinds.every():
-        slow = "coupling_rtol" in kind.keywords  # iterates over nips and rolls
+        slow = "coupling_rtol" in keywords_of(kind.solver)  # iterates over nips and rolls
         if not slow and time.perf_counter() - began < WARM_UP:
             with suppress(InvalidProblem):
                 state_of(solved(kind.example(), {}))
@@ -143,7 +144,7 @@ def solved(
     """
     kind = kinds.of(problem)
     options = checked_options(kind, options)
-    if warm and "errors" in kind.keywords:
+    if warm and "errors" in keywords_of(kind.solver):
         options = WARM_OPTIONS | options
     model = KindModel(problem, outputs=(), options=options)
     with unwarned():

@@ -161,8 +161,9 @@ def _check_options(kind: Kind[Any, Any], given: Iterable[str], sensitivity: bool
 def _solve(problem: Problem, arguments: Mapping[str, Any]) -> Any:
     """Solve, with a progress bar on a terminal if the solver reports its progress."""
     from .. import kinds
+    from ..arguments import keywords_of
 
-    reports = "progress" in kinds.of(problem).keywords
+    reports = "progress" in keywords_of(kinds.of(problem).solver)
     with unwarned():  # the report contains the warnings
         if not (reports and sys.stderr.isatty()):
             return kinds.solve(problem, **arguments)

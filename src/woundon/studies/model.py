@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 import numpy as np
 
 from .. import __version__, kinds
-from ..arguments import check_arguments, check_type
+from ..arguments import check_arguments, check_type, keywords_of
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..parallel import progress
 from ..problems.paths import field_quantity, get_field, is_part_of
@@ -259,9 +259,10 @@ class KindModel:
         In a worker process the solver is cancelled at its next report of progress, if requested.
         """
         kind, options = self.kind, dict(self.options)
-        if "progress" in kind.keywords:
+        known = keywords_of(kind.solver)
+        if "progress" in known:
             options["progress"] = progress
-        if isinstance(start, kind.result) and "start" in kind.keywords:
+        if isinstance(start, kind.result) and "start" in known:
             with suppress(NotConverged):
                 return kind.solver(problem, start=start, **options)
         return kind.solver(problem, **options)
@@ -366,7 +367,7 @@ def options_of(problem: Problem) -> dict[str, Any]:
     True
     """
     excluded = {"start", "progress", *type(problem).model_fields}
-    keywords = kind_of(problem).keywords
+    keywords = keywords_of(kind_of(problem).solver)
     return {name: default for name, default in keywords.items() if name not in excluded}
 
 
