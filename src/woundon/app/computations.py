@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from math import isinf
 from typing import Any
@@ -348,9 +348,14 @@ def find(
             ),
             "values": outcome.values,
             "outputs": outcome.outputs,
-            "failures": [{"value": value, "why": why} for value, why in outcome.failures],
+            "failures": _failures(outcome.failures),
         }
     )
+
+
+def _failures(reasons: Iterable[tuple[float, str]]) -> list[dict[str, Any]]:
+    """Return the values of a field that were not solved with the reasons, '' if solved, for JSON."""
+    return [{"value": value, "why": reason} for value, reason in reasons if reason]
 
 
 # ---- around a state ---------------------------------------------------------------------------
@@ -379,11 +384,7 @@ def curve(tables: Mapping[str, Any], query: Mapping[str, Any], options: Mapping[
             "at": base,
             "values": values,
             "outputs": dict(zip(names, solved_cases.values.T, strict=True)),
-            "failures": [
-                {"value": value, "why": reason}
-                for value, reason in zip(values, solved_cases.failure, strict=True)
-                if reason
-            ],
+            "failures": _failures(zip(values, solved_cases.failure, strict=True)),
         }
     )
 
