@@ -354,7 +354,7 @@ def find(
 
 
 def _failures(reasons: Iterable[tuple[float, str]]) -> list[dict[str, Any]]:
-    """Return the values of a field that were not solved with the reasons, '' if solved, for JSON."""
+    """Return the values of a field that were not solved, which have a reason, for JSON."""
     return [{"value": value, "why": reason} for value, reason in reasons if reason]
 
 
