@@ -27,6 +27,7 @@ from ..problems.superposition import (
     wlf_shifts,
 )
 from ..quantities import Quantity, pure, stress
+from .export import check_export
 from .outcome import Outcome
 
 if TYPE_CHECKING:
@@ -198,11 +199,7 @@ class MasterCurve(Outcome):
             For another ending, and a folder that does not exist or cannot be written.
         """
         check_type("path", path, str, os.PathLike)
-        ending = Path(path).suffix
-        if ending != ".csv":
-            text = f"the ending {ending!r} is not a known format; must be .csv"
-            raise InvalidProblem.at(str(path), text)
-        check_writable(Path(path))
+        check_writable(check_export(path, (".csv",)))
         units = {"frequency": "Hz", "storage_modulus": "Pa", "loss_modulus": "Pa"}
         frame = self.to_dataframe()[list(units)]
         write_csv(Path(path), frame.rename(columns=lambda name: f"{name} [{units[name]}]"))
