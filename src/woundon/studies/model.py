@@ -245,6 +245,15 @@ class KindModel:
         """Return the problem of one case."""
         return self.with_ties(self.problem.replace(**inputs))
 
+    def admits(self, inputs: Mapping[str, Any]) -> bool:
+        """Return True if the problem of a case is valid."""
+        try:
+            with unwarned():
+                self.variant(inputs)
+        except InvalidProblem:
+            return False
+        return True
+
     def with_ties(self, problem: ProblemT) -> ProblemT:
         """Return a problem whose tied fields have the values of the fields that they follow."""
         if not self.tie:

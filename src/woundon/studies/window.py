@@ -506,13 +506,9 @@ class _Study:
 
         It is not valid where the drum slides under the loads.
         """
-        is_admissible = np.ones(len(x), dtype=bool)
-        for k, point in enumerate(self.set_points.values(x).tolist()):
-            try:
-                self.model.variant(dict(zip(self.set_points.names, point, strict=True)))
-            except InvalidProblem:
-                is_admissible[k] = False
-        return is_admissible
+        names, points = self.set_points.names, self.set_points.values(x).tolist()
+        admitted = [self.model.admits(dict(zip(names, point, strict=True))) for point in points]
+        return np.array(admitted, dtype=bool)
 
     def _failures(self, *others: Windings) -> dict[Case, str]:
         """Return why windings failed, by (x, z): those with nips, and others."""
