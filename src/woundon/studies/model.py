@@ -217,13 +217,17 @@ class KindModel:
 
     def _has_effect(self, name: str, unused: Sequence[str]) -> bool:
         """Return whether a field, or one that follows it, is not among the unused ones."""
-        names = [name]
-        for follower, leader in self.tie.items():
-            if is_part_of(name, leader):  # the same part of a body that follows
-                names.append(follower + name.removeprefix(leader))
-            elif is_part_of(leader, name):
-                names.append(follower)
+        in_parts = [f for f, leader in self.tie.items() if is_part_of(leader, name)]
+        names = [name, *self.followers(name), *in_parts]
         return any(not any(is_part_of(each, part) for part in unused) for each in names)
+
+    def followers(self, name: str) -> list[str]:
+        """Return the fields that follow a field: of one in a body, the same in each tied body."""
+        return [
+            follower + name.removeprefix(leader)
+            for follower, leader in self.tie.items()
+            if is_part_of(name, leader)
+        ]
 
     def without_estimates(self) -> KindModel:
         """Return the model that omits error estimates if no output is one and none are asked for.
