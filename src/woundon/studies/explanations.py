@@ -15,7 +15,6 @@ The data alone do not decide between them, and the cause may be another one.
 
 from __future__ import annotations
 
-import re
 import tomllib
 from collections.abc import Collection, Iterator, Sequence
 from functools import cache, cached_property
@@ -26,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
-from ..problems.paths import get_field, parts_of
+from ..problems.paths import get_field, is_part_of, parts_of
 from ..problems.problem import Problem
 from ..quantities import length, pure, walk
 from ..results import Result
@@ -84,14 +83,13 @@ class InputEffects:
         self, model: KindModel, measured: Collection[str], size: int, solved: Sequence[SolvedCase]
     ) -> None:
         self.model, self.size, self.solved = model, size, solved
-        fixed = "|".join(re.escape(name) for name in (*measured, *model.tie))
-        # radii; measured and tied fields with their parts; (?!) matches nothing
-        left_out = re.compile(rf"(.*radius|({fixed or '(?!)'})(\..*)?)")
+        left_out = (*measured, *model.tie)
         self.quantities = {
             place.path: place.quantity
             for place in walk(model.problem)
             if isinstance(place.value, float) and place.value and place.quantity is not None
-            if not left_out.fullmatch(place.path)
+            if not place.path.endswith("radius")
+            if not any(is_part_of(place.path, name) for name in left_out)
         }
 
     @cached_property
