@@ -33,7 +33,7 @@ from .compare_result import Comparison, Explanation
 from .measurements import PRESSURE, TAB, TAB_FORCE, predict
 from .model import KindModel
 from .predict import Case
-from .slopes import on_mesh_of, slopes, solve_case
+from .slopes import on_mesh_of, solve_case
 
 __all__ = ["InputEffects", "SolvedCase", "explain"]
 
@@ -99,10 +99,7 @@ class InputEffects:
         values = np.array([get_field(self.model.problem, name) for name in names])
         changes = np.full((self.size, len(names)), nan)
         for case, result in self.solved:
-            columns = slopes(
-                self.model, result, case.observables, names, case.inputs, nan_if_unsolved=True
-            )
-            changes[case.rows] = columns * values
+            changes[case.rows] = case.slopes(self.model, result, names) * values
         return dict(zip(names, changes.T, strict=True))
 
     def causes(self, rows: Array, weights: Array, residual: Array) -> list[str]:
