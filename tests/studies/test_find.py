@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import pickle
-import subprocess
-import sys
 from math import pi
 
 import numpy as np
@@ -294,15 +291,3 @@ def test_the_command_as_json_and_its_exit_status(tmp_path, capsys):
     assert main([*common, "load=1", "--target", "nip_width=1 mm"]) == 2
     assert main([*common, "load", "--target", "nip_width"]) == 2
     assert main([*common, "load", "--target", "nip_width=1 mm", "--case", "x.txt"]) == 2
-
-
-def test_the_uncertainty_is_printed_on_terminals_of_any_encoding(tmp_path):
-    case = tmp_path / "case.toml"
-    case.write_text(template("rollers"))
-    given = ["find", str(case), "--vary", "load", "--target", "nip_width=4 mm", "--nodes", "33"]
-    for encoding, sign in (("utf-8", "±"), ("ascii", "+-")):
-        process = subprocess.run(
-            [sys.executable, "-m", "woundon", *given], capture_output=True, check=True,
-            env={**os.environ, "PYTHONIOENCODING": encoding},
-        )  # fmt: skip
-        assert f" N/m {sign} " in process.stdout.decode(encoding)
