@@ -6,7 +6,6 @@ Rolls of a few millimetres and coarse nips: the studies are looked at here, not 
 from __future__ import annotations
 
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -20,8 +19,6 @@ import study_models as models
 from rejections import assert_rejected
 
 import woundon as wo
-from woundon.cli.commands import main
-from woundon.io.case_texts import to_toml
 
 CASE = wo.WindingProblem.example().replace(radius=0.055, web_tension=350.0, roll_body="linear")
 COARSE: dict[str, Any] = {"nodes": 33, "rtol": 2e-2}
@@ -86,32 +83,6 @@ def test_friction_and_stack_are_distinguished_by_two_pressures():
         starts=1, profiles=False, options={"rtol": 2e-2},
     )  # fmt: skip
     np.testing.assert_allclose(found.estimates, [MU, K2], rtol=2e-3)
-
-
-@pytest.mark.slow
-def test_a_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    case = CASE.replace(tension_law="friction")
-    file, table = tmp_path / "winding.toml", tmp_path / "cores.csv"
-    file.write_text(to_toml(case.replace(**{"stack.radial.K2": 60.0})))
-    rows = data(case, "core_pressure")
-    lines = [f"{P:.17g},{p / 1e3:.17g}" for P, p in zip(*rows.values(), strict=True)]
-    table.write_text("\n".join(["nip_load [N/m],core_pressure [kPa]", *lines]))
-    ended = main(
-        [
-            "fit",
-            str(file),
-            str(table),
-            "--vary",
-            "stack.radial.K2=15:100",
-            "--starts",
-            "1",
-            "--no-profiles",
-        ]
-    )
-    assert ended == 0
-    message = re.search(r"stack.radial.K2  ([\d.]+)", capsys.readouterr().out)
-    assert message is not None
-    assert float(message[1]) == pytest.approx(K2, rel=2e-3)
 
 
 def test_pressures_over_the_radius_are_no_outputs_of_a_fit():
