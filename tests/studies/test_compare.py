@@ -296,13 +296,6 @@ def test_a_tension_that_falls_with_the_speed_points_to_entrained_air(predicted):
     assert any("entrained air" in cause for cause in trend.causes)
 
 
-@pytest.mark.slow
-def test_a_smaller_friction_is_among_the_causes_of_a_smaller_tension():
-    """Independent: the measured values are those of a nip with less friction."""
-    check = check_of(tensions(roll_friction=0.15, nodes=33), nodes=33)
-    assert "roll_friction -" in causes(check)
-
-
 def test_the_effects_outside_a_problem_name_classes_and_fields_that_exist():
     """A misspelt name would never match a difference."""
     path = resources.files("woundon") / "studies" / "explanations.toml"

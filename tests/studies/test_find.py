@@ -96,14 +96,6 @@ def test_the_uncertainty_is_the_error_over_the_slope():
 
 
 @pytest.mark.slow
-def test_the_tension_for_a_pressure_in_a_roll_is_found():
-    problem = wo.RollProblem.example()
-    pressure = wo.solve(problem.replace(wound_on_tension=600.0)).mid_pressure
-    found = wo.find(problem, "wound_on_tension", mid_pressure=pressure, points=5)
-    assert found.value == pytest.approx(600.0, rel=1e-3)
-
-
-@pytest.mark.slow
 @pytest.mark.campaign
 def test_the_load_for_a_margin_of_a_winding_is_found():
     problem = wo.WindingProblem.example()

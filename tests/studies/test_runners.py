@@ -125,17 +125,6 @@ def test_an_operating_window_is_solved_on_a_cluster(thread):
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_any_work_is_done_on_a_cluster(thread):
-    """Here the solution of a list of problems."""
-    pair = wo.RollerProblem.example()
-    problems = [pair.replace(load=load) for load in (5e4, 1e5)]
-    solved = dict(Workers(scheduler=thread.scheduler_address).map(wo.solve, problems))
-    assert [solved[each].half_width for each in problems] == [
-        wo.solve(each).half_width for each in problems
-    ]
-
-
-@pytest.mark.filterwarnings("ignore")
 def test_a_machine_of_a_cluster_without_the_program_is_named(
     thread, monkeypatch: pytest.MonkeyPatch
 ):
