@@ -6,7 +6,7 @@ import sqlite3
 import time
 from collections.abc import Mapping
 from contextlib import closing, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import exp, pi, sin
 from pathlib import Path
 from types import SimpleNamespace
@@ -114,7 +114,8 @@ class ClosedForm:
 class CurveModel:
     """y = f(a, b, x) for a fit of a and b; derivatives by differences."""
 
-    tie: Mapping[str, str] = field(default_factory=dict)
+    def followers(self, name: str) -> list[str]:
+        return []
 
     def variant(self, inputs: Mapping[str, float]) -> Mapping[str, float]:
         return inputs
