@@ -393,15 +393,11 @@ def window(request: Mapping[str, Any]) -> Lines:
 
 def map_window(request: Mapping[str, Any], journal: Journal) -> None:
     """Map an operating window; windings are solved in processes, for which this thread waits."""
+    given = {name: value for name, value in request.items() if name != "case"}
     with unwarned():
         result = operating_window(
             problem_of(request["case"]),
-            request["web_tension"],
-            request["nip_load"],
-            request["torque_split"],
-            rider_load=request["rider_load"],
-            vary=request["vary"],
-            uncertain=request["uncertain"],
+            **given,
             # at least two: a single one would solve in the server itself
             workers=max(2, min(usable_cores(), MOST_PROCESSES)),
             progress=journal.progress,
