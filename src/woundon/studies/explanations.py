@@ -27,10 +27,10 @@ import numpy as np
 from ..errors import InvalidProblem, NotConverged
 from ..problems.paths import get_field, is_part_of, parts_of
 from ..problems.problem import Problem
-from ..quantities import length, pure, walk
+from ..quantities import pure, walk
 from ..results import Result
 from .compare_result import Comparison, Explanation
-from .measurements import PRESSURE, TAB, TAB_FORCE, predict
+from .measurements import PRESSURE, RADIUS, TAB, TAB_FORCE, predict
 from .model import KindModel
 from .predict import Case
 from .slopes import on_mesh_of, solve_case
@@ -48,7 +48,6 @@ CONSTANT = 0.1  # relative scatter of a constant ratio
 SMALLEST_CHANGE, LARGEST_CHANGE = -0.5, 1.0  # of an input, relative: a factor of two
 # share of the change of a prediction by its derivative, below which the effect saturates
 SMALLEST_SHARE = 0.5
-RADIUS = length("r", "radius of the measurement")
 
 
 class SolvedCase(NamedTuple):
