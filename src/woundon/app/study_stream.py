@@ -132,14 +132,7 @@ def start_sweep(tables: Mapping[str, Any]) -> Sweep:
     if not isinstance(study.over, Mapping) or not study.over:
         raise InvalidProblem.at("over", "nothing is varied; give fields and their values")
     _check_size(study.over, study.design)
-    model, cases = study_of(
-        study.problem,
-        study.over,
-        study.outputs,
-        tie=study.tie,
-        options=study.options,
-        **study.design,
-    )
+    model, cases = study_of(**study.arguments)
     first = _line(
         "started",
         cases=len(cases),
