@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas
 import pytest
+from roller_cases import steel_pair
 
 import woundon as wo
 from woundon import kinds
@@ -113,8 +114,7 @@ def test_a_row_without_a_steady_state_has_a_reason(predicted):
 
 def test_the_spread_of_an_input_follows_its_closed_form():
     """Closed form: a^2 = 4 P R / (pi E*), so that 2 % of the load are 1 % of the width."""
-    body = wo.HalfPlane(radius=0.25, material="steel")
-    pair = wo.RollerProblem(upper=body, lower=body, load=89e3, friction=0.5)
+    pair = steel_pair(tangential_load=None)
     check = wo.compare(pair, {"nip_width [mm]": [0.7]}, spread={"load": "2 %"})
     assert check.spread[0] == pytest.approx(0.01 * check.predicted[0], rel=1e-3)
     both = wo.compare(
@@ -245,8 +245,7 @@ def causes(check: wo.Comparison) -> str:
 
 def test_causes_are_inputs_with_the_change_that_is_needed():
     """Closed form: a^2 = 4 P R/(pi E*); 1/R and 1/E* are sums over two equal bodies."""
-    body = wo.HalfPlane(radius=0.25, material="steel")
-    pair = wo.RollerProblem(upper=body, lower=body, load=89e3, friction=0.5)
+    pair = steel_pair(tangential_load=None)
     loads = np.array([60e3, 80e3, 100e3])
     width = np.array([wo.solve(pair.replace(load=P), nodes=33).nip_width for P in loads])
     table = {"load": loads, "nip_width": 1.05 * width, "nip_width +-": [1e-7] * 3}

@@ -9,6 +9,7 @@ from math import pi
 import numpy as np
 import pytest
 from registered_kinds import registered
+from roller_cases import steel_pair
 from slow_cases import slow_case
 
 import woundon as wo
@@ -24,11 +25,6 @@ def curves():
         yield module
 
 
-def steel_pair() -> wo.RollerProblem:
-    body = wo.HalfPlane(radius=0.25, material="steel")
-    return wo.RollerProblem(upper=body, lower=body, load=89e3, friction=0.5)
-
-
 # ---- nips and rolls -----------------------------------------------------------------------------
 
 
@@ -36,7 +32,7 @@ def test_the_load_of_a_hertzian_contact_is_found():
     """Closed form: a^2 = 4 P R / (pi E*)."""
     steel = wo.material("steel")
     modulus = steel.youngs_modulus / (2 * (1 - steel.poissons_ratio**2))
-    found = wo.find(steel_pair(), "load", nip_width="4 mm")
+    found = wo.find(steel_pair(tangential_load=None), "load", nip_width="4 mm")
     load = pi * modulus * 0.002**2 / (4 * 0.125)
     assert found.value == pytest.approx(load, rel=1e-4)
     assert abs(found.value - load) < 2 * found.uncertainty
