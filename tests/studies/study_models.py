@@ -15,9 +15,17 @@ from typing import Any
 import numpy as np
 from process_tasks import crash_at_three
 
+import woundon as wo
 from woundon.quantities import Quantity, pure
 from woundon.studies.measurements import Observations
 from woundon.studies.model import Answer
+
+# a roll of 60 layers with full slip in the nip, so that no nip is solved
+BOARD = wo.WindingProblem.example().replace(
+    stack=wo.Stack(radial=27e6, tangential=3.38e9, poissons_ratio=0.01, shear=10e6), radius=0.08,
+    tension_law="friction", limits=wo.Limits(blocking_pressure="200 kPa"),
+    **{"web.thickness": "500 um"},
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.stats import norm
+from study_models import BOARD
 
 import woundon as wo
 from woundon.cli.commands import main
@@ -414,13 +415,6 @@ def test_points_without_a_steady_state_are_not_mapped(tmp_path: Path):
     assert np.isnan(window.probability[slides]).all()
     assert np.isfinite(window.probability[~slides]).all()
     window.plot(tmp_path / "window.png")
-
-
-BOARD = wo.WindingProblem.example().replace(  # of 60 layers
-    stack=wo.Stack(radial=27e6, tangential=3.38e9, poissons_ratio=0.01, shear=10e6), radius=0.08,
-    tension_law="friction", limits=wo.Limits(blocking_pressure="200 kPa"),
-    **{"web.thickness": "500 um"},
-)  # fmt: skip
 
 
 @pytest.mark.slow
