@@ -46,7 +46,7 @@ class Option(NamedTuple):
 
 
 @cache
-def keywords_of(function: Callable[..., Any]) -> Mapping[str, Any]:
+def keywords_of(function: Callable[..., object]) -> Mapping[str, object]:
     """Return the keyword-only arguments of a function with their defaults."""
     arguments = signature(function).parameters.values()
     return {a.name: a.default for a in arguments if a.kind is a.KEYWORD_ONLY}

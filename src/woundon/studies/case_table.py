@@ -165,7 +165,7 @@ def _base_problem(
 
 
 def read_cases(
-    data: Any, problem: Problem, columns: Mapping[str, str | None] | None
+    data: Any, problem: Problem, columns: Mapping[str, str | None] | None = None
 ) -> dict[str, list[Any]]:
     """Read the cases of a sweep: for each input a list of values, in SI.
 
