@@ -46,6 +46,15 @@ def process() -> Iterator[Any]:
         yield started
 
 
+@pytest.fixture(autouse=True)
+def _closed_figures() -> Iterator[None]:
+    """Close the figures that a test has drawn and not saved: they are pyplot's."""
+    yield
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    if pyplot is not None:
+        pyplot.close("all")
+
+
 @pytest.fixture(autouse=True, scope="module")
 def _memory(request: pytest.FixtureRequest) -> Iterator[None]:
     """Release the cached solutions and influence matrices when a module of tests ends.

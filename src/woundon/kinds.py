@@ -13,7 +13,6 @@ up here.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import (
@@ -38,7 +37,7 @@ from .nip.solve import check_options as check_nip_options
 from .nip.solve import solve_nip
 from .nip.solve_rollers import check_options as check_roller_options
 from .nip.solve_rollers import solve_rollers
-from .problems.family import best_match
+from .problems.family import best_match, snake_case
 from .problems.messages import quote
 from .problems.nip import NipProblem
 from .problems.problem import Problem
@@ -222,8 +221,7 @@ def register(
         :func:`woundon.optimise_schedule` keeps.
     """
     title = problem.__name__
-    snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", title.removesuffix("Problem")).lower()
-    name = name or snake
+    name = name or snake_case(title.removesuffix("Problem"))
     _KINDS[name] = Kind(name, about or title, problem, solver, result, check, report, plot, margins)
 
 

@@ -33,7 +33,7 @@ import numpy as np
 from .arguments import check_type
 from .elasticity import half_plane
 from .errors import InvalidProblem
-from .problems.bodies import Body, contact_radius
+from .problems.bodies import Body
 from .problems.nip import NipProblem
 from .problems.radial_laws import Pfeiffer
 from .problems.rollers import RollerProblem
@@ -91,11 +91,8 @@ def _pair(problem: NipProblem | RollerProblem) -> _Pair:
     Body 1 is the roll or the upper roller.
     """
     check_type("problem", problem, NipProblem, RollerProblem)
-    names = ("roll", "drum") if isinstance(problem, NipProblem) else ("upper", "lower")
-    one, two = (getattr(problem, name) for name in names)
-    K1, K2 = _compliance(one, names[0]), _compliance(two, names[1])
-    R = contact_radius(one, two)
-    return _Pair(K1.B + K2.B, K1.C + K2.C, K1.A - K2.A, R)
+    K1, K2 = map(_compliance, problem.bodies, problem.pair)
+    return _Pair(K1.B + K2.B, K1.C + K2.C, K1.A - K2.A, problem.contact_radius)
 
 
 def _ellipse(x: ArrayLike, centre: float, half_width: float) -> Array:

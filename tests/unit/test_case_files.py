@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from viscoelastic_cases import cover, rubber
 
 import woundon as wo
 from woundon import kinds
@@ -297,3 +298,53 @@ ROLLERS = st.builds(
 def test_every_problem_comes_back_equal(problem, comments):
     text = to_toml(problem, comments)
     assert make_problem(tomllib.loads(text)) == problem
+
+
+WINDING = wo.WindingProblem.example()
+WINDER = WINDING.replace(
+    winder=wo.TwoDrums(front_drum=wo.Rigid(radius=0.25), gap=0.02, rider_load=2500.0),
+    drum=wo.Rigid(radius=0.3), nip_load=None, torque_split=0.5,
+)  # fmt: skip
+SCHEDULE = wo.Profile(radius=[0.05, 0.6], value=[500.0, 300.0])
+MEASURED = {"frequency": [1, 10, 100], "storage_modulus": [8.9e6, 9.9e6, 12.3e6],
+            "loss_modulus": [1.2e6, 1.6e6, 2.1e6]}  # fmt: skip
+VISCOELASTIC = [
+    rubber(),
+    wo.LossAngle(youngs_modulus=5e6, poissons_ratio=0.45, loss_angle=0.2, frequency=100.0),
+    wo.DynamicTest(**MEASURED, poissons_ratio=0.48),
+    wo.RelaxationTest(
+        time=["1 ms", "10 ms", "1 s"], modulus=["12 MPa", "10 MPa", "9 MPa"], poissons_ratio=0.48
+    ),
+    *(wo.RelativeProny(instantaneous_modulus="10 MPa", poissons_ratio=0.45, bulk=bulk,
+                       prony_relative=[("30 %", "1 ms")]) for bulk in ("relaxing", "constant")),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("comments", [False, True])
+@pytest.mark.parametrize(
+    ("problem", "changes"),
+    [
+        *((TABLE_2, {"drum": cover(one), "web_speed": 5.0}) for one in VISCOELASTIC),
+        (WINDING, {}),
+        (WINDING, {"tension_law": "friction"}),
+        (WINDING, {"tension_law": "fixed", "nip_induced_tension": wo.Taper(start=100, taper=0.2)}),
+        (WINDING, {"tension_law": SCHEDULE}),
+        (WINDING, {"torque_split": 0.3, "roll_body": "direct", "drum_wrap": 1.0,
+                   "wrap_friction": 0.1}),
+        (WINDING, {"nip_load": SCHEDULE}),
+        (WINDING, {"inertia": {"core": "12 lb*ft^2", "drum": "60 kg m^2"}}),
+        (WINDING, {"core_shrinkage": 1e-3, "moisture_change": SCHEDULE.replace(value=[0, -0.03]),
+                   "tangential_swelling": 0.02, "radial_swelling": 0.3, "core_swelling": 0.05}),
+        (WINDER, {}),
+        (WINDER, {"winder.rider": wo.Rigid(radius=0.1), "winder.rider_friction": 0.3}),
+        (WINDER, {"winder.rider_load": wo.Taper(start=3000.0, taper=0.5)}),
+        (WINDER, {"winder.front_drum": cover(wo.material("rubber"))}),
+        (WINDER, {"winder.core_torque": SCHEDULE.replace(value=[10.0, 30.0])}),
+    ],
+)  # fmt: skip
+def test_a_problem_of_every_sort_comes_back_equal(problem, changes, comments):
+    """Schedules, drums, measured materials; a speed is written in its own unit."""
+    given = problem.replace(**changes)
+    text = to_toml(given, comments)
+    assert make_problem(tomllib.loads(text)) == given
+    assert ('"5 m/s"' in text) == ("web_speed" in changes)

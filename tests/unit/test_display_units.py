@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import pytest
 from coarse_solutions import coarse_solution
-from matplotlib import pyplot as plt
 from rendered_numbers import (
     differing_artists,
     differing_numbers,
@@ -93,12 +92,6 @@ def cases(**quick: str) -> Any:
         pair if pair[1] in quick.get(pair[0], "").split() else slow_case(*pair) for pair in pairs
     ]
     return pytest.mark.parametrize(("kind", "system"), rows)
-
-
-@pytest.fixture(autouse=True)
-def _closed():
-    yield
-    plt.close("all")
 
 
 def in_both(system: str, render: Callable[[], Any]) -> tuple[Any, Any]:

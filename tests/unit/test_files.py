@@ -100,8 +100,8 @@ def test_files_of_the_kernel_that_say_they_are_empty_are_read():
         read_whole("/proc/self/status", 10)
 
 
-@pytest.mark.parametrize("load", [wo.load_case, wo.load_result])
-@pytest.mark.parametrize("path", [0, None])
+@pytest.mark.parametrize("load", [wo.load_case, wo.load_result, wo.read_thickness_profile])
+@pytest.mark.parametrize("path", [0, None, ["scan.csv"]])
 def test_what_is_no_path_is_no_open_file(load, path):
     with pytest.raises(wo.InvalidProblem, match=r"path: .* is out of place; must be a str or"):
         load(path)

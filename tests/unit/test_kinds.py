@@ -186,8 +186,3 @@ def test_a_field_of_another_kind_is_rejected_with_its_counterpart(name: str) -> 
         assert named or own or "it is an output" in text, (field, text)
         if text.endswith("it is an output"):
             assert output(result, field), text
-
-
-def test_the_torque_split_of_a_nip_is_its_winding_force() -> None:
-    with pytest.raises(wo.InvalidProblem, match=r"winding_force = -torque_split \* web_tension"):
-        wo.NipProblem.example().replace(torque_split=0.5)

@@ -66,6 +66,8 @@ WINDER = WINDING.replace(
 )  # fmt: skip
 RUBBER = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.45, prony=[(3e6, 1e-3)])
 WOUND = wo.WoundRoll(radius=0.1, core_radius=0.0445, stack=ROLL.stack, pressure=2e5)
+PROFILE = wo.ThicknessProfile(position=[0, 1, 2], thickness=["66 um", "66.4 um", "65.6 um"])
+DRUM = wo.DrumBending(flexural_rigidity=3e6, bearing_distance=0.2)
 
 
 def plan(unknown: Any, *candidates: Any, **options: Any) -> Any:
@@ -110,6 +112,7 @@ NAMES = {
     "rollers": rollers, "variant": variant, "solve": solve, "NIP": NIP, "PAIR": PAIR,
     "ORTHOTROPIC": ORTHOTROPIC, "CYLINDER": CYLINDER, "ROLL": ROLL, "WINDING": WINDING,
     "STACK": ROLL.stack, "WOUND": WOUND, "RUBBER": RUBBER, "WINDER": WINDER,
+    "PROFILE": PROFILE, "DRUM": DRUM,
     "COVER": wo.Cylinder(radius=0.25, core_radius=0.235, material=RUBBER),
     "plan": plan, "next_nips": next_nips,
     "fit": fit, "case": case, "study": study, "parse": parse, "written": written,

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 from coarse_solutions import coarse_solution
-from matplotlib import pyplot as plt
 from thesis_cases import film_nip
 
 import woundon as wo
@@ -24,12 +23,6 @@ PROBLEMS = {
 }
 # The page rounds to eight digits.
 ROUNDED = {"rtol": 1e-7, "atol": 1e-300}
-
-
-@pytest.fixture(autouse=True)
-def _closed():
-    yield
-    plt.close("all")
 
 
 def array(values: Any) -> np.ndarray:

@@ -45,13 +45,6 @@ other = wo.solve(wo.NipProblem.example().replace(nip_load=2000.0), nodes={NODES}
 """
 
 
-@pytest.fixture(autouse=True)
-def _closed():
-    plt.close("all")  # figures of other tests in this process
-    yield
-    plt.close("all")
-
-
 @pytest.fixture(scope="module")
 def nips() -> list[wo.NipResult]:
     return [wo.solve(newsprint_nip(nip_load=P), nodes=NODES) for P in (2000.0, 4000.0)]

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 from coarse_solutions import coarse_solution, solve_coarsely
-from matplotlib import pyplot as plt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from slow_cases import slow_case
 from thesis_cases import film_nip
@@ -29,13 +28,6 @@ from woundon.studies.cases import make_cases
 
 NODES = 33
 SOFT = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.47)
-
-
-@pytest.fixture(autouse=True)
-def _closed():
-    """Close what was not saved: it is pyplot's."""
-    yield
-    plt.close("all")
 
 
 def plot_outputs(result: Any) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import time
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -311,10 +312,7 @@ def test_a_kind_from_outside_is_saved_and_loaded(springs, tmp_path, ending):
     springs.save(path)
     assert wo.load_result(path) == springs
     springs.replace(push=np.ones(3)).save(path)
-    with pytest.raises(
-        wo.InvalidProblem, match=r"the contents of the file do not match: .*balance 3"
-    ):
-        wo.load_result(path)
+    assert re.search(r"the contents of the file do not match: .*balance 3", refusal(path))
 
 
 def test_what_no_file_holds_is_rejected_by_name(springs, tmp_path):
@@ -324,6 +322,13 @@ def test_what_no_file_holds_is_rejected_by_name(springs, tmp_path):
 
 
 # ---- refused ------------------------------------------------------------------------------------
+
+
+def refusal(path: Path) -> str:
+    """Return the message with which a file is refused."""
+    with pytest.raises(wo.InvalidProblem) as error:
+        wo.load_result(path)
+    return str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -338,21 +343,15 @@ def test_what_no_file_holds_is_rejected_by_name(springs, tmp_path):
 def test_a_file_that_is_no_result_is_rejected(tmp_path, content, ending):
     path = tmp_path / f"other.{ending}"
     path.write_bytes(content)
-    with pytest.raises(wo.InvalidProblem) as refusal:
-        wo.load_result(path)
-    assert str(refusal.value) == f"{path}: is not a result saved by woundon, or is damaged"
+    assert refusal(path) == f"{path}: is not a result saved by woundon, or is damaged"
 
 
 def test_another_schema_and_an_unknown_kind_are_reported(solved, tmp_path):
     record, path = json.loads(result_files.to_json(solved("nip"))), tmp_path / "nip.json"
     path.write_text(sealed(record | {"schema": 3}))
-    with pytest.raises(wo.InvalidProblem, match=r"schema: 3 is unknown; .* reads 5"):
-        wo.load_result(path)
+    assert re.search("schema: 3 is unknown; .* reads 5", refusal(path))
     path.write_text(sealed(record | {"kind": "nap"}))
-    with pytest.raises(
-        wo.InvalidProblem, match="'nap' is not a kind of problem; did you mean 'nip'"
-    ):
-        wo.load_result(path)
+    assert "'nap' is not a kind of problem; did you mean 'nip'" in refusal(path)
 
 
 OTHER = "the contents of the file do not match: "
@@ -434,11 +433,10 @@ def test_damage_is_rejected_by_name(solved, tmp_path, name, place, value, said):
     """By the shapes of the record, the residuals, or the outputs that the arrays give."""
     path = tmp_path / "result.json"
     path.write_text(damaged(solved(name), place, value))
-    with pytest.raises(wo.InvalidProblem) as refusal:
-        wo.load_result(path)
-    assert str(refusal.value).startswith(f"{path}")
-    assert said in str(refusal.value)
-    assert len(str(refusal.value).splitlines()) == 1
+    text = refusal(path)
+    assert text.startswith(f"{path}")
+    assert said in text
+    assert len(text.splitlines()) == 1
 
 
 @pytest.mark.parametrize("name", ["nip", "wrapped", "rolling"])
@@ -453,8 +451,7 @@ def test_a_file_with_too_many_nodes_is_rejected_before_its_matrices_are_computed
     grown = {key: value.astype(arrays[key].dtype) for key, value in grown.items()}
     result.replace(**grown).save(tmp_path / "large.nc")
     start = time.process_time()
-    with pytest.raises(wo.InvalidProblem, match="the contents of the file do not match"):
-        wo.load_result(tmp_path / "large.nc")
+    assert "the contents of the file do not match" in refusal(tmp_path / "large.nc")
     assert time.process_time() - start < 5.0  # of the parser
 
 
@@ -488,9 +485,7 @@ def test_a_damaged_netcdf_file_is_rejected_before_it_is_taken_apart(solved, tmp_
         flipped = bytearray(content)
         flipped[place] ^= 1
         path.write_bytes(flipped)
-        with pytest.raises(wo.InvalidProblem) as refusal:
-            wo.load_result(path)
-        assert str(refusal.value) == f"{path}: {CHANGED}"
+        assert refusal(path) == f"{path}: {CHANGED}"
     assert len(places) > 200
 
 
@@ -498,20 +493,13 @@ def test_a_file_that_lost_its_seal_is_rejected(solved, tmp_path):
     record, path = json.loads(result_files.to_json(solved("nip"))), tmp_path / "a"
     del record["sha256"]
     path.write_text(json.dumps(record))
-    with pytest.raises(wo.InvalidProblem) as refusal:
-        wo.load_result(path)
-    assert str(refusal.value) == f"{path}: {GONE}"
+    assert refusal(path) == f"{path}: {GONE}"
     solved("nip").to_xarray().to_netcdf(path, engine="scipy")
-    with pytest.raises(wo.InvalidProblem) as refusal:
-        wo.load_result(path)
-    assert str(refusal.value) == f"{path}: {GONE}"
+    assert refusal(path) == f"{path}: {GONE}"
 
 
 def test_a_table_is_no_result(solved, tmp_path):
     path = tmp_path / "nip.csv"
     solved("nip").save(path)
-    with pytest.raises(wo.InvalidProblem) as refusal:
-        wo.load_result(path)
-    assert str(refusal.value) == (
-        f"{path}: is a table for spreadsheets; load the .nc or .json file of the result"
-    )
+    expected = "is a table for spreadsheets; load the .nc or .json file of the result"
+    assert refusal(path) == f"{path}: {expected}"

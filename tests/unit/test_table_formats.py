@@ -174,28 +174,6 @@ def test_a_word_that_may_mean_several_quantities_is_assigned_by_the_user(tmp_pat
     assert data.inputs["web_tension"].tolist() == [350.0]
 
 
-# ---- case files ---------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("pressure,strain\n10,170\n20,180\n30,190\n40,200\n", "has no unit"),
-        ("10.000;1,7\n20.000;2,7\n", "numbers in row 1, but no header above them"),
-        ("pressure [kPa];strain [%]\n10.000;1,7\n20.000;2,7\n", "has a point where other cells"),
-    ],
-)  # fmt: skip
-def test_a_case_file_reads_tables_as_strictly_as_all_others(tmp_path: Path, text, words):
-    text_file(tmp_path, text, "test.csv")
-    case = (
-        'schema = 1\nradius = 0.5\ncore_radius = 0.05\nweb_thickness = "66 um"\n'
-        'wound_on_tension = "400 N/m"\n[stack]\ntangential = "3.38 GPa"\npoissons_ratio = 0.01\n'
-        'shear = "10 MPa"\n[stack.radial]\ncsv = "test.csv"\n'
-    )
-    path = text_file(tmp_path, case, "case.toml")
-    assert words in faults(wo.load_case, path)
-
-
 # ---- Excel --------------------------------------------------------------------------------------
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import warnings
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -20,49 +19,8 @@ BAND = wo.ThicknessProfile(position=Y, thickness=66e-6 * (1 + 0.008 * (np.abs(Y 
 ROLL = wo.RollProblem.example().replace(thickness_profile=BAND)
 
 
-@pytest.mark.parametrize(
-    ("fields", "message"),
-    [
-        ({"position": [0, 1], "thickness": [1, -1]}, r"thickness\.1: -1 .*> 0 \[m\]"),
-        ({"position": [0, 1], "thickness": [1, 0]}, r"thickness\.1: 0 .*> 0 \[m\]"),
-        ({"position": [0, 1], "thickness": [1, 4]}, r"thickness\.0: 1 .*>= 1\.25 and <= 3\.75"),
-        ({"position": [0, 2, 1], "thickness": [1, 1, 1]}, r"position\.2: 1 .*> 2"),
-        ({"position": [0, 1, 1], "thickness": [1, 1, 1]}, r"position\.2: 1 .*> 1"),
-        ({"position": [0, 1, 2], "thickness": [1, 1]}, "thickness: 2 values.*position, 3"),
-        ({"position": [0, 1], "thickness": [1, float("nan")]}, r"thickness\.1: nan"),
-        ({"position": [0, 1], "thickness": [1, None]}, r"thickness\.1"),
-        ({"position": [0], "thickness": [1]}, "position"),
-        ({"position": [0, 1], "thickness": [1, 1], "slack": [0, 0.2]}, r"slack\.1: 0\.2 .*<= 0\.1"),
-        ({"position": [0, 1], "thickness": [1, 1], "slack": [0]}, "slack"),
-        ({"position": [0, 1], "thickness": [1, 1.2], "variation": 8}, "variation: 8 .*<= 5.5"),
-        ({"position": [0, 1], "thickness": ["45 gsm", "46 gsm"]}, "basis weight.*density"),
-    ],
-)
-def test_rejected_profiles(fields, message):
-    with pytest.raises(wo.InvalidProblem, match=message):
-        wo.ThicknessProfile(**fields)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"gauge_excess": 0.01}, "gauge_excess: 0.01 .*thickness_profile; must be one of the two"),
-        ({"oscillation": 1.2}, r"oscillation: 1\.2 .*<= 1 \[m\], half the width"),
-        ({"oscillation": -0.1}, "oscillation: -0.1 .*>= 0"),
-    ],
-)
-def test_rejected_rolls(changes, message):
-    with pytest.raises(wo.InvalidProblem, match=message):
-        ROLL.replace(**changes)
-
-
-def test_a_profile_of_another_width_is_rejected():
-    winding = wo.WindingProblem.example()
-    with pytest.raises(
-        wo.InvalidProblem, match=r"position: covers a width of 2 .*2\.94 and <= 3\.06"
-    ):
-        winding.replace(width=3.0, thickness_profile=BAND)
-    winding.replace(width=2.01, thickness_profile=BAND)
+def test_a_profile_may_be_a_little_narrower_than_the_web():
+    assert wo.WindingProblem.example().replace(width=2.01, thickness_profile=BAND).width == 2.01
 
 
 def test_a_profile_of_another_web_is_an_input_warning():
@@ -173,13 +131,6 @@ def test_a_scan_in_a_case_file(tmp_path, header, factor):
     assert problem.oscillation == 0.005
 
 
-def test_a_scan_with_a_gap_is_rejected(tmp_path):
-    (tmp_path / "scan.csv").write_text("position [mm],thickness [um]\n0,66\n10,\n20,66\n")
-    (tmp_path / "roll.toml").write_text(CASE)
-    with pytest.raises(wo.InvalidProblem, match="the cell is empty"):
-        wo.load_case(tmp_path / "roll.toml")
-
-
 @pytest.mark.parametrize(
     ("rows", "words"),
     [
@@ -190,6 +141,10 @@ def test_a_scan_with_a_gap_is_rejected(tmp_path):
         (
             "position [mm],thickness [um]\n0,66\n10,100 %\n",
             "row 3, column 'thickness [um]': '100 %",
+        ),
+        (
+            "position [mm],thickness [um]\n0,66\n10,\n20,66\n",
+            "row 3, column 'thickness [um]': the cell is empty",
         ),
         ("position [mm],thickness [um]\n0,66\n10,660\n", "thickness.0: 6.6e-05 is out of range"),
         ("thickness [um]\n66\n66\n", "has no column position"),
@@ -208,13 +163,6 @@ def test_errors_of_a_scan_name_the_file(tmp_path, rows, words):
         wo.load_case(tmp_path / "roll.toml")
 
 
-def test_the_range_of_a_relative_thickness_has_no_unit():
-    with pytest.raises(wo.InvalidProblem, match=r">= 0\.875 and <= 2\.625, 0\.5 to 1\.5 of"):
-        wo.ThicknessProfile(position=[0, 1, 2], thickness=[1, 1, 4])
-    with pytest.raises(wo.InvalidProblem, match=r"<= 0\.0001493 \[m\], 0\.5 to 1\.5 of"):
-        wo.ThicknessProfile(position=[0, 1, 2], thickness=["66 um", "66 um", "200 um"])
-
-
 @pytest.mark.parametrize("name", ['""', "3", '["scan.csv"]'])
 def test_a_file_without_a_name_is_rejected(tmp_path, name):
     (tmp_path / "roll.toml").write_text(CASE.replace('"scan.csv"', name))
@@ -228,12 +176,6 @@ def test_a_file_is_not_set_on_the_command_line(tmp_path):
     setting = "thickness_profile.csv=scan.csv"
     with pytest.raises(wo.InvalidProblem, match=r"^thickness_profile\.csv: names a file"):
         apply_settings(read_case(tmp_path / "roll.toml"), [setting])
-
-
-@pytest.mark.parametrize("path", [None, 3, ["scan.csv"]])
-def test_a_path_of_another_type_is_rejected(path):
-    with pytest.raises(wo.InvalidProblem, match=r"^path: .*; must be a str or PathLike"):
-        wo.read_thickness_profile(path)
 
 
 def test_several_scans_in_a_spreadsheet(tmp_path):
@@ -401,7 +343,6 @@ def test_thickness_and_ridges_have_one_zero(result, tmp_path):
         low, high = axes.get_ylim()
         assert low < min(curve.get_ydata())
         assert max(curve.get_ydata()) < high
-    plt.close(figure)
 
 
 # ---- studies ------------------------------------------------------------------------------------
@@ -511,13 +452,11 @@ def test_the_figure_of_a_window_has_the_fields_on_its_axes(window, tmp_path):
     assert axes.get_xlabel() == "amplitude of the oscillation of the web across the roll [mm]"
     assert axes.get_ylabel() == "factor of the variation of the thickness"
     assert axes.get_xlim() == (0.0, 300.0)
-    plt.close(figure)
     with units_of(["mill"]):
         figure = window.plot(tmp_path / "mill.png")
         assert figure.axes[0].get_xlabel().endswith("across the roll [in]")
         inches = window.best.values["oscillation"] / 0.0254
         assert f"oscillation {inches:.4g} in" in str(window)
-    plt.close(figure)
     header = str(window.to_dataframe().columns.tolist())
     assert "'oscillation', 'thickness_profile.variation', 'probability'" in header
 
@@ -562,12 +501,6 @@ def test_a_loaded_winding_has_lanes(winding, tmp_path):
     loaded = wo.load_result(tmp_path / "winding.nc")
     assert loaded.worst_lane.tension == pytest.approx(winding.worst_lane.tension, rel=1e-8)
     assert loaded.lanes.sizes["position"] == 30
-
-
-@pytest.mark.parametrize("value", [3, 1001, "many"])
-def test_the_number_of_lanes_is_checked(value):
-    with pytest.raises(wo.InvalidProblem, match="lanes"):
-        wo.solve(ROLL, lanes=value)
 
 
 @pytest.mark.parametrize("kind", [wo.RollProblem, wo.WindingProblem])

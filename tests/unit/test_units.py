@@ -55,6 +55,15 @@ LB, IN, FT, GRAVITY = 0.45359237, 0.0254, 0.3048, 9.80665  # exact
 @pytest.mark.parametrize(
     ("text", "unit", "value"),
     [
+        *(
+            (f"20 {pli}", "N/m", 20 * LB * GRAVITY / IN)
+            for pli in ("pli", "PLI", "lb/in", "lbs/in")
+        ),
+        ("3.5 N/mm", "N/m", 3500.0),
+        *((f"66 {um}", "m", 66e-6) for um in ("mic", "micron", "microns")),
+        *((f"0.004{inch}", "m", 101.6e-6) for inch in (" in", " inch", '"')),
+        ("18 pt", "m", 457.2e-6),
+        ("92 gauge", "m", 23.368e-6),
         ("2 yd", "m", 1.8288),
         ("3 oz", "kg", 3 * LB / 16),
         ("3 oz", "N", 3 * LB * GRAVITY / 16),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from math import atan, pi, tan
 from typing import Any
 
@@ -15,8 +14,6 @@ from viscoelastic_cases import cover, rubber
 import woundon as wo
 from woundon.elasticity.mesh import Wrap, nip_mesh
 from woundon.elasticity.relaxation import modulus_ratio
-from woundon.io.case_files import make_problem
-from woundon.io.case_texts import to_toml
 
 # a measured rubber, compound unknown
 HZ = [1.0, 10.0, 100.0, 968.0, 7030.0]
@@ -102,22 +99,6 @@ def test_a_loss_angle_far_from_the_nip_is_reported(share: float, is_known: bool)
 
 
 # ---- cases, studies, reports, files -------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "material",
-    [
-        rubber(),
-        wo.LossAngle(youngs_modulus=5e6, poissons_ratio=0.45, loss_angle=0.2, frequency=100.0),
-        dynamic_test(),
-    ],
-)
-@pytest.mark.parametrize("comments", [False, True])
-def test_case_files(material: wo.Material, comments: bool) -> None:
-    problem = nip(**{"drum.material": material}).replace(roll_wrap=pi)
-    text = to_toml(problem, comments=comments)
-    assert make_problem(tomllib.loads(text)) == problem
-    assert '"5 m/s"' in text
 
 
 def test_a_sweep_over_speed() -> None:

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import tomllib
-
 import numpy as np
 import pytest
 
 import woundon as wo
-from woundon.io.case_files import make_problem
-from woundon.io.case_texts import to_toml
 
 CASE = wo.WindingProblem.example()
 FALLING = wo.Profile(radius=[0.05, 0.6], value=[2000.0, 400.0])
@@ -45,19 +41,3 @@ def test_the_nip_at_a_radius_has_the_loads_of_the_schedules():
     assert (nip.nip_load, nip.winding_force, nip.roll.radius) == (2000.0, 0.0, 0.3)
     assert nip.web == CASE.web
     assert nip.roll_wrap == CASE.roll_wrap
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {},
-        {"tension_law": "friction"},
-        {"tension_law": "fixed", "nip_induced_tension": wo.Taper(start=100.0, taper=0.2)},
-        {"tension_law": wo.Profile(radius=[0.05, 0.6], value=[500.0, 300.0])},
-        {"torque_split": 0.3, "roll_body": "direct", "drum_wrap": 1.0, "wrap_friction": 0.1},
-        {"nip_load": FALLING},
-    ],
-)
-def test_a_case_file_gives_the_problem_back(changes: dict):
-    problem = CASE.replace(**changes)
-    assert make_problem(tomllib.loads(to_toml(problem))) == problem

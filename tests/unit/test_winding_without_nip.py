@@ -171,14 +171,3 @@ def test_a_winder_without_a_rear_drum_names_it_once():
         ALONE.replace(winder=winder)
     names = [name for name, _ in fault.value.faults]
     assert names.count("drum") == names.count("drum_friction") == 1
-
-
-def test_a_roll_too_small_for_its_film_is_rejected_by_a_field_that_was_entered():
-    problem = ALONE.replace(radius=0.055, web_speed=40.0, web_tension=1.0, air=AIR, density=None)
-    with pytest.raises(
-        wo.InvalidProblem, match=r"radius: 0\.055 is out of range; must be >= "
-    ) as f:
-        wo.solve(problem)
-    assert "thickness" not in str(f.value)
-    with pytest.raises(wo.NoSteadyState, match="centrifugal force of the web"):
-        wo.solve(problem.replace(density=680.0))

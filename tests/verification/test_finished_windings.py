@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +9,6 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from woundon.io.case_files import make_problem
-from woundon.io.case_texts import to_toml
 from woundon.roll.stages import stages_at
 
 WINDING = wo.WindingProblem.example().replace(radius=0.12)
@@ -100,7 +97,6 @@ def test_lanes_of_a_winding_have_the_changes():
 
 def test_the_changes_are_in_case_files_and_results(tmp_path: Path):
     problem = WINDING.replace(tension_law="friction", **DRIED, core_shrinkage=1e-3)
-    assert make_problem(tomllib.loads(to_toml(problem))) == problem
     result = wo.solve(problem)
     result.save(tmp_path / "roll.json")
     loaded = wo.load_result(tmp_path / "roll.json")
@@ -110,25 +106,6 @@ def test_the_changes_are_in_case_files_and_results(tmp_path: Path):
     assert "Changes of the finished roll" in text
     assert "bore" in text
     assert "Off the core" in str(wo.solve(problem.replace(core_removed=True)))
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"core_shrinkage": 0.2}, r"core_shrinkage: 0.2 is out of range; must be >= -0.1 and <="),
-        ({"temperature_change": 1001.0}, r"temperature_change: 1001 is out of range; must be >="),
-        ({"moisture_change": "200 %"}, r"moisture_change: 2 is out of range; must be >= -1 and"),
-        (
-            {"moisture_change": wo.Profile(radius=[0.06, 0.12], value=[0, 0.01])},
-            r"moisture_change.radius.0: 0.06 is out of range; must be <= core.radius = 0.05",
-        ),
-        ({"core_removed": 1}, r"core_removed: .* must be"),
-        ({"radial_expansion": 1.0}, r"radial_expansion: 1 is out of range; must be >= -0.01"),
-    ],
-)
-def test_changes_out_of_range_are_rejected(changes: dict[str, Any], message: str):
-    with pytest.raises(wo.InvalidProblem, match=message):
-        WINDING.replace(**changes)
 
 
 def test_changes_without_effect_are_named():

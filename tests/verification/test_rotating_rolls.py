@@ -187,14 +187,8 @@ def test_units_of_speed_and_basis_weight():
     assert -slope * result.radius[-1] == pytest.approx(hoop, rel=5e-3)
 
 
-def test_a_tension_below_the_centrifugal_force_is_rejected():
-    with pytest.raises(wo.InvalidProblem, match=r"wound_on_tension.*76\.5 .*> 78\.\d+ \[N/m\]"):
-        NEWSPRINT.replace(
-            density=0.045 / 66e-6,
-            web_speed=2500 / 60,
-            wound_on_tension=wo.Taper(start=90, taper=0.15),
-        )
-    # just above: every layer, and the rotation that slows down, add to the pressure
+def test_a_tension_just_above_the_centrifugal_force_presses():
+    """Every layer, and the rotation that slows down, add to the pressure."""
     loose = wo.solve(plain(4e9, 0.3, FREE, wound_on_tension=40.1))
     assert (loose.running_pressure[1:-1] > 0).all()
 
@@ -251,8 +245,6 @@ def test_margins_running_and_at_rest():
     torque += np.pi / 2 * 680.0 * (s**4 - r**4) * 0.5 / s
     # linear interpolation on the nodes; at rest it is 5 % less
     assert both["slip"].value == pytest.approx(torque / (2 * np.pi * r**2 * 0.19 * P), rel=5e-3)
-    with pytest.raises(wo.InvalidProblem, match="'running' or 'at rest'"):
-        wo.margins(run, limits, motion="stopped")
     assert run.margins["core"].value == pytest.approx(run.largest_core_pressure)
 
 

@@ -10,7 +10,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias, get_args
+from typing import Any, NamedTuple, TypeAlias
 
 from pydantic.fields import FieldInfo
 
@@ -20,7 +20,7 @@ from ..problems.description import Description, is_unset
 from ..problems.family import Family
 from ..problems.grades import grade, grades, states_all
 from ..problems.materials import MATERIALS, Material
-from ..problems.permitted import bounds, requirement
+from ..problems.permitted import bounds, requirement, words_of
 from ..problems.problem import Problem
 from ..problems.units import text_with_unit
 from ..quantities import Quantity, is_list, members_of, quantity_of
@@ -444,7 +444,7 @@ def field_comment(field: FieldInfo) -> str:
     """
     quantity = quantity_of(field)
     if quantity is None:
-        words = [part for part in get_args(field.annotation) if isinstance(part, str)]
+        words = words_of(field)
         return one_of(map(json.dumps, words)) if words else field.description or ""
     text, ranges = f"{quantity.symbol}: {quantity.meaning}", field_ranges(field, quantity)
     if ranges:

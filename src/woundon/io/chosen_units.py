@@ -11,7 +11,7 @@ from .. import kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, did_you_mean, mapping_of
 from ..problems.problem import Problem
-from ..problems.units import MILL, factor
+from ..problems.units import MILL, TOTALS, factor
 from ..quantities import DISPLAYED, Choice, Place, outputs, pattern, shown_in, value_of, walk
 from ..results import Result
 from .frames import to_frame
@@ -27,8 +27,8 @@ Names = dict[tuple[str, str], tuple[str, float]]  # as of woundon.quantities.Cho
 System = dict[str, tuple[str, float]]  # unit for display -> unit in its place, its size in SI
 SYSTEMS = ("SI", "mill")
 SYSTEM = "system of units"  # its name among those of fields and outputs
-# Quantities per width, and the unit of their totals.
-_TOTALS = {"N/m": "N", "kg/m": "kg", "W/m": "W"}
+# Units of quantities that are certainly per width, and those of their totals.
+PER_WIDTH = {unit: total for unit, (_, total) in TOTALS.items() if unit.endswith("/m")}
 
 
 @contextmanager
@@ -301,7 +301,7 @@ def _size(unit: str, si_unit: str, width: float | None) -> float | None:
     """
     with suppress(InvalidProblem):
         return float(factor(unit, si_unit, "unit"))
-    total = _TOTALS.get(si_unit)
+    total = PER_WIDTH.get(si_unit)
     if total and width:
         with suppress(InvalidProblem):
             return 1 / width * float(factor(unit, total, "unit"))
@@ -314,7 +314,7 @@ def _no_such_unit(unit: str, width: float | None) -> InvalidProblem:
     It may be the unit of a total that cannot be converted without the width of the web, no unit at
     all, or a unit of another dimension.
     """
-    for per_width, total in _TOTALS.items():
+    for per_width, total in PER_WIDTH.items():
         try:
             factor(unit, total, "units")
         except InvalidProblem:

@@ -22,8 +22,8 @@ from ..problems.messages import quote
 from ..problems.units import parse
 from ..quantities import Quantity, length, strain, stress
 from .cells import numbers_by_name
-from .sheets import Sheet, TableSource, find_table
-from .tables import OTHERS, Names, is_known_header, match_columns
+from .sheets import Sheet, TableSource
+from .tables import Names, find_columns
 
 __all__ = ["Branch", "CompressionTest", "branches_of", "read_compression_test", "rising_means"]
 
@@ -119,12 +119,10 @@ def read_compression_test(
     (array([ 1000., 10000., 40000., 90000.]), array([0.   , 0.02 , 0.035, 0.045]))
     """
     names = Names(COLUMNS)
-    table = find_table(data, "test", is_known_header(names, columns), sheet)
-    matched = match_columns(table, names, {**(columns or {}), OTHERS: None})
+    table, matched = find_columns(data, "test", names, columns, sheet)
     if len(table.numbers) > MOST_ROWS:
         raise InvalidProblem.at(table.where, f"has too many rows; must be at most {MOST_ROWS}")
-    columns_of_test = [column for column in matched if not column.deviation]
-    values = numbers_by_name(table, columns_of_test, names, gaps=True)
+    values = numbers_by_name(table, matched, names, gaps=True)
     P = _pressure(values, area, offset, table)
     eps = _strain(values, height, table)
     known = np.isfinite(P) & np.isfinite(eps)

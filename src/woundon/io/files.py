@@ -5,14 +5,14 @@ from __future__ import annotations
 import contextlib
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from shutil import copymode
 from threading import get_ident
 
 from ..errors import InvalidProblem
 
-__all__ = ["check_writable", "read_whole", "replaced_file", "write_whole"]
+__all__ = ["check_ending", "check_writable", "read_whole", "replaced_file", "write_whole"]
 
 
 def read_whole(path: str | Path, max_bytes: int) -> bytes:
@@ -120,6 +120,21 @@ def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
         return
     with replaced_file(path) as temporary:
         temporary.write_bytes(content)
+
+
+def check_ending(path: str | os.PathLike[str], known: Collection[str]) -> str:
+    """Return the ending of a path, such as ".csv"; reject one that is not known.
+
+    Raises
+    ------
+    InvalidProblem
+        Lists the known endings.
+    """
+    ending = Path(path).suffix
+    if ending not in known:
+        text = f"the ending {ending!r} is not a known format; must be {', '.join(known)}"
+        raise InvalidProblem.at(str(path), text)
+    return ending
 
 
 def check_writable(path: Path) -> None:

@@ -23,8 +23,8 @@ from ..errors import InvalidProblem, one_of
 from ..quantities import Quantity, length, velocity
 from ..quantities import tension as tension_quantity
 from .cells import Conversion, numbers_by_name
-from .sheets import TableSource, find_table
-from .tables import OTHERS, Names, is_known_header, match_columns
+from .sheets import TableSource
+from .tables import Names, find_columns
 
 __all__ = ["MOST_BINS", "POSITIONS", "BinnedLog", "binned", "read_binned"]
 
@@ -160,9 +160,7 @@ def read_binned(
         bins = whole_number("bins", bins, 2, MOST_BINS)
     positions = dict.fromkeys(POSITIONS, length("r", "radius of the roll"))
     names = Names({**MOVING, **fields, **positions})
-    table = find_table(data, "log", is_known_header(names, columns), sheet)
-    matched = match_columns(table, names, {**(columns or {}), OTHERS: None})
-    matched = [column for column in matched if not column.deviation]
+    table, matched = find_columns(data, "log", names, columns, sheet)
     found = [column.name for column in matched]
     places = [name for name in found if name in POSITIONS]
     used = [name for name in found if name in fields and name not in POSITIONS]

@@ -20,7 +20,7 @@ from ..quantities import outputs, scalar_outputs, value_of
 from ..results import Result
 from . import seals
 from .datasets import record_of_netcdf, to_netcdf
-from .files import read_whole, write_whole
+from .files import check_ending, read_whole, write_whole
 from .frames import to_csv
 from .json_texts import plain
 from .records import FORMAT, SCHEMA, Record, from_record, number, to_record
@@ -99,11 +99,7 @@ def writer_for(path: str | PathLike[str]) -> Callable[[Result], bytes]:
     InvalidProblem
         For a suffix other than .nc, .json, .csv.
     """
-    ending = Path(path).suffix
-    if ending not in _WRITERS:
-        text = f"the ending {ending!r} is not a known format; must be {', '.join(_WRITERS)}"
-        raise InvalidProblem.at(str(path), text)
-    return _WRITERS[ending]
+    return _WRITERS[check_ending(path, _WRITERS)]
 
 
 # ---- reading ------------------------------------------------------------------------------------

@@ -12,7 +12,6 @@ below it, blank rows, columns without a header and lines that start with # are n
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -26,6 +25,7 @@ from ..problems.units import is_unit
 from .files import read_whole
 from .instruments import ENDINGS as INSTRUMENTS
 from .instruments import need_reader, read_channels
+from .spreadsheets import is_number
 from .table_files import (
     ColumnCells,
     Rows,
@@ -50,9 +50,6 @@ SCANNED = 5000  # first rows, in which a header with known names is searched
 EXCEL = (".xlsx", ".xlsm")
 BINARY = (*EXCEL, ".tdms")  # formats that are no text
 TABLES = (".csv", ".txt", ".tsv", *EXCEL, *INSTRUMENTS)
-
-# a number of any locale, and the text behind it: "1.5", "1,5 kN", ".5e3"
-_NUMBER = re.compile(r"[+-]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][+-]?\d{1,3})?\s*(.*)", re.DOTALL)
 
 
 class Sheet(NamedTuple):
@@ -434,8 +431,7 @@ def _is_number(cell: Any) -> bool:
     """Return True for a number of any locale, with or without a unit."""
     if not isinstance(cell, str):
         return isinstance(cell, int | float) and not isinstance(cell, bool)
-    match = _NUMBER.fullmatch(cell.strip()) if len(cell) <= MAX_HEADER else None
-    return match is not None and (not match[1] or is_unit(match[1]))
+    return len(cell) <= MAX_HEADER and is_number(cell.strip())
 
 
 def _is_row_of_table(cells: Sequence[Any]) -> bool:

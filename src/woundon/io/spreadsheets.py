@@ -33,6 +33,7 @@ __all__ = [
     "as_csv_cell",
     "decimal_commas",
     "in_csv_style",
+    "is_number",
     "record_table",
     "without_apostrophe",
     "write_csv",
@@ -42,7 +43,8 @@ __all__ = [
 MAX_WIDTH = 60  # characters
 # the first characters of a formula; a lone one, such as "-" for no unit, is a text
 _FORMULA = re.compile(r"[=+\-@\t\r].", re.DOTALL)
-_NUMBER_WITH_UNIT = re.compile(r"[+-]?[\d.,]+(?:[eE][+-]?\d{1,3})?\s*(.*)")
+# a number of any locale, and the text behind it: "1.5", "1,5 kN", ".5e3"
+_NUMBER = re.compile(r"[+-]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][+-]?\d{1,3})?\s*(.*)", re.DOTALL)
 
 
 class Percentage(float):
@@ -184,6 +186,14 @@ def without_apostrophe(text: str) -> str:
 
 def _may_be_formula(text: str) -> bool:
     """Return True for a text that a spreadsheet may compute: "=1+1", but not "-2 kN/m"."""
-    number = _NUMBER_WITH_UNIT.fullmatch(text)
-    is_number = number is not None and (not number[1] or is_unit(number[1]))
-    return bool(_FORMULA.match(text)) and not is_number
+    return bool(_FORMULA.match(text)) and not is_number(text)
+
+
+def is_number(text: str) -> bool:
+    """Return True for a number of any locale, with or without a unit.
+
+    >>> [is_number(text) for text in ("1,5", "-.5e3 kN/m", "1.5 apples", "-")]
+    [True, True, False, False]
+    """
+    match = _NUMBER.fullmatch(text)
+    return match is not None and (not match[1] or is_unit(match[1]))

@@ -19,11 +19,11 @@ from ..arguments import check_arguments
 from ..errors import InvalidProblem, mapping_of, nearest, one_of
 from ..problems.units import is_unit
 from ..quantities import Quantity, pattern
-from .sheets import Sheet
+from .sheets import Sheet, TableSource, find_table
 from .table_files import ColumnCells
 from .words import names_of_word
 
-__all__ = ["Column", "Names", "is_known_header", "match_columns"]
+__all__ = ["Column", "Names", "find_columns", "is_known_header", "match_columns"]
 
 Faults = list[tuple[str, str]]
 Renaming = dict[str, tuple[str, str | None]]  # normalised header -> header as requested, its target
@@ -190,6 +190,29 @@ def is_known_header(
         )
 
     return is_known
+
+
+def find_columns(
+    data: TableSource,
+    what: str,
+    names: Names,
+    columns: Mapping[str, str | None] | None = None,
+    sheet: str = "",
+) -> tuple[Sheet, list[Column]]:
+    """Read a table; return it with its columns of known names, without standard deviations.
+
+    Parameters
+    ----------
+    data, sheet
+        As of :func:`~.sheets.find_table`.
+    what : str
+        Name of columns in memory in error messages.
+    names, columns
+        As of :func:`match_columns`; columns without a known name are ignored.
+    """
+    table = find_table(data, what, is_known_header(names, columns), sheet)
+    matched = match_columns(table, names, {**(columns or {}), OTHERS: None})
+    return table, [column for column in matched if not column.deviation]
 
 
 def match_columns(

@@ -8,8 +8,8 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import Quantity, length, pure, stress
-from .air_law import AirBetween
+from ..quantities import Quantity, length, pure
+from .air_law import AirBetween, AmbientPressure
 from .description import Description
 from .fields import Number, default
 from .messages import quote
@@ -57,9 +57,7 @@ class Air(Description):
         Quantity("mu_a", "Pa*s", "viscosity of the air", typical=(1.7e-5, 2e-5)),
         Field(ge=1e-7, le=1e-2),
     ] = default(1.81e-5)
-    ambient_pressure: Annotated[
-        Number, stress("p_a", "ambient pressure", "kPa", (80e3, 105e3)), Field(ge=1e3, le=1e7)
-    ] = default(101325.0)
+    ambient_pressure: AmbientPressure = default(101325.0)
     permeance: Annotated[
         Number,
         Quantity("k_a", "m/Pa/s", "permeance of the web", typical=(0.0, 1e-5)),

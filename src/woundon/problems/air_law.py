@@ -11,9 +11,14 @@ from ..quantities import length, stress
 from .fields import Number, default
 from .radial_laws import AnySolidLaw, RadialLaw
 
-__all__ = ["AirBetween"]
+__all__ = ["AirBetween", "AmbientPressure"]
 
 Array = np.ndarray
+
+
+AmbientPressure = Annotated[
+    Number, stress("p_a", "ambient pressure", "kPa", (80e3, 105e3)), Field(ge=1e3, le=1e7)
+]
 
 
 class AirBetween(RadialLaw):
@@ -53,9 +58,7 @@ class AirBetween(RadialLaw):
     web_thickness: Annotated[
         Number, length("t", "web thickness", "um", (1e-5, 5e-4)), Field(gt=0, le=0.1)
     ]
-    ambient_pressure: Annotated[
-        Number, stress("p_a", "ambient pressure", "kPa", (80e3, 105e3)), Field(ge=1e3, le=1e7)
-    ] = default(101325.0)
+    ambient_pressure: AmbientPressure = default(101325.0)
 
     @property
     def max_pressure(self) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from .bending import bends
-from .paths import field_quantity
+from .paths import quantity_of_field
 
 __all__ = ["of_nip", "of_roll", "of_rollers", "of_winding"]
 
@@ -209,9 +209,7 @@ def _centrifugal(problem: Any, low: float, high: float) -> Iterator[str]:
     V = problem.web_speed
     if not V:
         return
-    speed, tension = (field_quantity(problem, name) for name in ("web_speed", "web_tension"))
-    assert speed is not None
-    assert tension is not None
+    speed, tension = (quantity_of_field(problem, name) for name in ("web_speed", "web_tension"))
     if problem.density is None:
         each = f"{tension.text(REFERENCE_MASS * V**2, '.3g')} of the tension for each 10 g/m^2"
         yield (

@@ -18,6 +18,7 @@ from .fields import (
     OptionalNumbers,
     check_equal_lengths,
     check_rising,
+    check_within,
     default,
 )
 from .inputs import NotANumber, real_number
@@ -144,7 +145,7 @@ class DrumBending(Bending):
     crown: Annotated[
         Number,
         length("c", "crown: height in the middle of the web over its edges", "um", (0.0, 1e-3)),
-        Field(ge=-0.1, le=0.1),
+        Field(ge=-MOST_BENT, le=MOST_BENT),
     ] = default(0.0)
     crown_position: Annotated[
         OptionalNumbers,
@@ -170,10 +171,7 @@ class DrumBending(Bending):
             raise InvalidProblem.at("crown", f"{text}one of the two")
         check_equal_lengths(self, "crown_position", "crown_height")
         check_rising(self, "crown_position")
-        for k, height in enumerate(self.crown_height):
-            if not -0.1 <= height <= 0.1:
-                text = f"{quote(height)} is out of range; must be >= -0.1 and <= 0.1 [m]"
-                raise InvalidProblem.at(f"crown_height.{k}", text)
+        check_within(self, "crown_height", -MOST_BENT, MOST_BENT)
         return self
 
     def heights(self, places: Array, edges: tuple[float, float]) -> Array:

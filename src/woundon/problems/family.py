@@ -13,9 +13,14 @@ from .description import Description
 from .messages import check_names, not_one_of
 from .paths import counterpart, models_at
 
-__all__ = ["Family", "best_match", "field_from_table", "from_table"]
+__all__ = ["Family", "best_match", "field_from_table", "from_table", "snake_case"]
 
 DescriptionT = TypeVar("DescriptionT", bound=Description)
+
+
+def snake_case(name: str) -> str:
+    """Return the name of a class as files and commands write it: "HalfPlane" as "half_plane"."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
 class Family(Description):
@@ -47,7 +52,7 @@ class Family(Description):
     @classmethod
     def member_name(cls) -> str:
         """Return the name of the class in files."""
-        return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
+        return snake_case(cls.__name__)
 
     @classmethod
     def coerce(cls, value: Any) -> Any:

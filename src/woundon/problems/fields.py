@@ -41,6 +41,7 @@ __all__ = [
     "OptionalNumbers",
     "check_equal_lengths",
     "check_rising",
+    "check_within",
     "default",
     "listed",
 ]
@@ -118,6 +119,20 @@ def check_rising(table: BaseModel, name: str, above: float = -inf) -> None:
         if value <= previous:
             text = f"{quote(value)} is out of range; must be > {quote(previous)}{unit}"
             raise InvalidProblem.at(f"{name}.{k}", f"{text}, the previous value" if k else text)
+
+
+def check_within(table: BaseModel, name: str, low: float, high: float) -> None:
+    """Reject a list of a description with a value out of range; None is permitted.
+
+    Raises
+    ------
+    InvalidProblem
+    """
+    unit = in_brackets(unit_of(type(table).model_fields[name]))
+    for k, value in enumerate(getattr(table, name) or ()):
+        if not low <= value <= high:
+            text = f"{quote(value)} is out of range; must be >= {low:g} and <= {high:g}{unit}"
+            raise InvalidProblem.at(f"{name}.{k}", text)
 
 
 def default(value: Any) -> Any:

@@ -40,6 +40,7 @@ __all__ = [
     "OptionalMaterial",
     "Orthotropic",
     "PronyTerm",
+    "RelaxationTime",
     "Solid",
     "Stiffness",
     "isotropic_stiffness",
@@ -249,6 +250,11 @@ class OneModulus(Material, abstract=True):
 SMALLEST_RELAXATION = 1e-5
 
 
+RelaxationTime = Annotated[
+    Number, Quantity("tau_k", "s", "relaxation time", "ms", (1e-6, 10.0)), Field(gt=0, le=1e15)
+]
+
+
 class PronyTerm(Description):
     """A term E_k exp(-t/tau_k) of a Prony series; fields also accept a pair (E_k, tau_k).
 
@@ -269,9 +275,7 @@ class PronyTerm(Description):
     modulus: Annotated[
         Number, stress("E_k", "relaxing modulus", "MPa", (1e5, 1e8)), Field(gt=0, le=STIFFEST)
     ]
-    time: Annotated[
-        Number, Quantity("tau_k", "s", "relaxation time", "ms", (1e-6, 10.0)), Field(gt=0, le=1e15)
-    ]
+    time: RelaxationTime
 
     @classmethod
     def coerce(cls, value: Any) -> Any:

@@ -6,7 +6,6 @@ A description is an object that pydantic validates: a problem, a body, a materia
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from math import pi
 from numbers import Real
 from reprlib import Repr
 from typing import Any, get_args, get_origin
@@ -15,7 +14,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_of
-from ..quantities import members_of, quantity_of
+from ..quantities import DISPLAYED, members_of, quantity_of
 from .inputs import FloatWithUnit, NotAList, NotANumber, read_text
 from .permitted import admissible, admits, unit_of
 
@@ -176,17 +175,17 @@ def _words(field: FieldInfo) -> list[str]:
     return [quantity.symbol, *quantity.meaning.replace(",", "").replace("'s", "").split()]
 
 
-_OTHER_UNITS = {"m": {"mm": 1e-3, "um": 1e-6}, "1": {"%": 1e-2}, "rad": {"deg": pi / 180}}
+# by the unit of a field, those in which its numbers are often meant
+_OTHER_UNITS = {"m": ("mm", "um"), "1": ("%",), "rad": ("deg",)}
 
 
 def _other_unit_hint(value: Any, field: FieldInfo) -> str:
     """Return a hint if the number is in range in another unit (66 for 66 um)."""
     if value < 1:  # 66 looks like um, 66e-6 does not
         return ""
+    in_si = {unit: value * DISPLAYED[unit][1] for unit in _OTHER_UNITS.get(unit_of(field), ())}
     fits = [
-        f"{value:g} {unit} is {value * factor:g}"
-        for unit, factor in _OTHER_UNITS.get(unit_of(field), {}).items()
-        if admits(field, value * factor)
+        f"{value:g} {unit} is {number:g}" for unit, number in in_si.items() if admits(field, number)
     ]
     return f" (plain numbers are SI: {', '.join(fits)})" if fits else ""
 

@@ -37,6 +37,7 @@ __all__ = [
     "nest_tables",
     "number_in_si",
     "parts_of",
+    "quantity_of_field",
     "set_in_tables",
     "varied_number",
     "varied_value",
@@ -170,6 +171,15 @@ def field_quantity(thing: Described, path: str) -> Quantity | None:
     if not places:
         _check_exists(thing, path)
     return next((place.quantity for place in places if place.quantity is not None), None)
+
+
+def quantity_of_field(thing: Described, path: str) -> Quantity:
+    """Return the quantity of a field that is a number."""
+    quantity = field_quantity(thing, path)
+    if quantity is None:
+        name = (thing if isinstance(thing, type) else type(thing)).__name__
+        raise AttributeError(f"{path} of a {name} has no quantity")
+    return quantity
 
 
 def _check_exists(thing: Described, path: str) -> None:

@@ -26,6 +26,7 @@ __all__ = [
     "is_within",
     "requirement",
     "unit_of",
+    "words_of",
 ]
 
 ROUNDING = 1e-9  # relative; inputs are often computed, such as radius = core + 10 layers
@@ -125,10 +126,14 @@ def admissible(field: FieldInfo) -> str:
         return f"{names} (or a table of its fields{by_name})"
     if field.annotation is bool:
         return "false or true"
-    words = [part for part in get_args(field.annotation) if isinstance(part, str)]  # of a Literal
-    if words:
+    if words := words_of(field):
         return one_of(map(repr, words))
     return (limits or "a finite number") + in_brackets(unit_of(field))
+
+
+def words_of(field: FieldInfo) -> list[str]:
+    """Return the words that a field may be; empty if it is no Literal of words."""
+    return [part for part in get_args(field.annotation) if isinstance(part, str)]
 
 
 def accepts_number(annotation: object) -> bool:

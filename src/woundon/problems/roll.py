@@ -14,7 +14,7 @@ from ..quantities import length, share, stress, tension, thickness_of_web
 from .air_law import AirBetween
 from .assumptions import of_roll
 from .description import Description
-from .fields import Nested, Number, OptionalNested, OptionalNumber, default
+from .fields import Nested, Number, OptionalNumber, default
 from .finished_roll import (
     CoreExpansion,
     CoreRemoved,
@@ -33,7 +33,7 @@ from .materials import Isotropic, OptionalMaterial
 from .messages import quote
 from .permitted import Conditional, is_within
 from .problem import only_in
-from .radial_laws import Pfeiffer, RadialLaw
+from .radial_laws import RadialLaw
 from .schedules import (
     Curve,
     Profile,
@@ -43,20 +43,28 @@ from .schedules import (
     unused_in_tapers,
     values_of,
 )
-from .stack import AnyStack, Stack
-from .thickness_profile import Oscillation, ThicknessProfile, faults_across, warnings_across
+from .stack import EXAMPLE, AnyStack
+from .thickness_profile import (
+    OptionalThicknessProfile,
+    Oscillation,
+    faults_across,
+    warnings_across,
+)
 from .web import CaliperPressure, WebDensity, WebSpeed, centrifugal_stress
 
 if TYPE_CHECKING:
     from .grades import Grade
 
-__all__ = ["Core", "GaugeExcess", "RollProblem"]
+__all__ = ["Core", "FinishedRadius", "GaugeExcess", "RollProblem"]
 
 # The layers are a continuum, which needs many of them; above a million the web is no paper or film.
 FEWEST_LAYERS, MOST_LAYERS = 10, 1e6
 MOST_COMPRESSED = 0.5  # strain under the caliper pressure; small strains end far below
 
-# Field of rolls and windings.
+# Fields of rolls and windings.
+FinishedRadius = Annotated[
+    Number, length("R", "radius of the finished roll", typical=(0.1, 0.75)), Field(gt=0, le=100)
+]
 GaugeExcess = Annotated[
     Number,
     share("d", "gauge excess: relative additional thickness of the thickest lane"),
@@ -234,11 +242,7 @@ class RollProblem(FinishedRollProblem):
         grade: InitVar[Grade | str | Mapping[str, Any]] = Field(...)
         diameter: InitVar[float | str] = Field(...)
     core: Nested[Core]
-    radius: Annotated[
-        Number,
-        length("R", "radius of the finished roll", typical=(0.1, 0.75)),
-        Field(gt=0, le=100),
-    ] = Field(...)
+    radius: FinishedRadius = Field(...)
     stack: AnyStack = Field(...)
     web_thickness: Annotated[Number, thickness_of_web((1e-5, 5e-4)), Field(gt=0, le=0.1)] = Field(
         ...
@@ -256,10 +260,7 @@ class RollProblem(FinishedRollProblem):
     radial_swelling: RadialSwelling = default(0.0)
     core_swelling: CoreSwelling = default(0.0)
     gauge_excess: GaugeExcess = default(0.0)
-    thickness_profile: Annotated[
-        OptionalNested[ThicknessProfile],
-        Field(description="thickness of the web across its width"),
-    ] = default(None)
+    thickness_profile: OptionalThicknessProfile = default(None)
     oscillation: Oscillation = default(0.0)
     core_shrinkage: CoreShrinkage = default(0.0)
     core_removed: CoreRemoved = default(False)
@@ -405,13 +406,10 @@ class RollProblem(FinishedRollProblem):
     @classmethod
     def example(cls) -> Self:
         """Return a newsprint roll of Table 2's web; the stack's K1 and K2 are illustrative."""
-        stack = Stack(
-            radial=Pfeiffer(K1=10e3, K2=40.0), tangential=3.38e9, poissons_ratio=0.01, shear=10e6
-        )
         return cls(
             core=Core(radius=0.0445, stiffness=1e9),
             radius=0.15,
-            stack=stack,
+            stack=EXAMPLE,
             web_thickness=66e-6,
             wound_on_tension=350.0,
             density=680.0,

@@ -28,12 +28,12 @@ from . import air_law as air_law  # registers its law
 from .fields import Number, default
 from .materials import SOFTEST, STIFFEST, Solid, Stiffness
 from .messages import quote
-from .radial_laws import AnyLaw
+from .radial_laws import AnyLaw, Pfeiffer
 
 if TYPE_CHECKING:
     from .fields import Nested
 
-__all__ = ["AnyStack", "Stack"]
+__all__ = ["EXAMPLE", "AnyStack", "Stack"]
 
 Array = np.ndarray
 
@@ -264,3 +264,8 @@ if TYPE_CHECKING:
     AnyStack = Nested[Stack]
 else:
     AnyStack = Annotated[Stack, BeforeValidator(Stack.coerce)]
+
+# Newsprint of the thesis's Table 2; K1 and K2 are illustrative.
+EXAMPLE = Stack(
+    radial=Pfeiffer(K1=10e3, K2=40.0), tangential=3.38e9, poissons_ratio=0.01, shear=10e6
+)

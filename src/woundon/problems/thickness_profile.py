@@ -12,12 +12,22 @@ from pydantic import Field, model_validator
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, pure, share
 from .description import Description
-from .fields import Number, Numbers, OptionalNumbers, check_equal_lengths, check_rising, default
+from .fields import (
+    Number,
+    Numbers,
+    OptionalNested,
+    OptionalNumbers,
+    check_equal_lengths,
+    check_rising,
+    check_within,
+    default,
+)
 from .messages import quote
 from .units import parse
 
 __all__ = [
     "Lanes",
+    "OptionalThicknessProfile",
     "Oscillation",
     "ThicknessProfile",
     "faults_across",
@@ -156,10 +166,7 @@ class ThicknessProfile(Description):
             raise InvalidProblem.at("variation", f"{text}{THICKEST:g} of the mean")
         if self.slack is not None:
             check_equal_lengths(self, "position", "slack")
-            for k, b in enumerate(self.slack):
-                if not 0 <= b <= MOST_SLACK:
-                    text = f"{quote(b)} is out of range; must be >= 0 and <= {MOST_SLACK:g}"
-                    raise InvalidProblem.at(f"slack.{k}", text)
+            check_within(self, "slack", 0.0, MOST_SLACK)
         if self.spread is not None:
             check_equal_lengths(self, "position", "spread")
             for k, s in enumerate(self.spread):
@@ -241,6 +248,12 @@ class ThicknessProfile(Description):
         chosen = [np.argmax(d), np.argmin(d), np.argmax(b), np.argmin(b)][: 2 if not b.any() else 4]
         y = np.append(places[chosen], list(further))
         return Lanes(y, np.zeros(y.size), np.interp(y, places, d), np.interp(y, places, b))
+
+
+# Field of rolls and windings.
+OptionalThicknessProfile = Annotated[
+    OptionalNested[ThicknessProfile], Field(description="thickness of the web across its width")
+]
 
 
 def _amplitude(oscillation: float | str) -> float:

@@ -18,6 +18,7 @@ from ..errors import InvalidProblem, did_you_mean
 
 __all__ = [
     "MILL",
+    "TOTALS",
     "compatible_units",
     "definitions",
     "factor",
@@ -115,8 +116,14 @@ _SPELLINGS = {
     "\N{GREEK SMALL LETTER MU}": "um",
 }
 
-# Total in place of a quantity per width, by the unit of the latter: its name and unit.
-_TOTALS = {"N/m": ("force", "N"), "kg/m": ("mass", "kg"), "N": ("torque", "N*m")}
+# Total in place of a quantity per width, by the unit of the latter: its name and unit.  "N" may be
+# that of a torque per width, or of a force.
+TOTALS = {
+    "N/m": ("force", "N"),
+    "kg/m": ("mass", "kg"),
+    "W/m": ("power", "W"),
+    "N": ("torque", "N*m"),
+}
 
 TURN = Fraction(2 * pi)  # [rad]
 
@@ -449,7 +456,7 @@ def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
             raise _fault(field, value, f"has the unknown unit {name!r}", unit, _nearest(name))
     factor = _conversion_factor(text, unit)
     if factor is None:
-        name, total = _TOTALS.get(unit, ("", ""))
+        name, total = TOTALS.get(unit, ("", ""))
         is_total = bool(name) and _conversion_factor(text, total) is not None
         hint = f"; a {name} is divided by the width of the web" if is_total else ""
         if _in_unit_of(text, unit, _LINE_FORCES) is not None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import Quantity, angle, share, stress
+from ..quantities import angle, share, stress
 from .description import Description
 from .family import from_table
 from .fields import Number, listed
@@ -24,6 +24,7 @@ from .materials import (
     Material,
     OneModulus,
     PoissonsRatio,
+    RelaxationTime,
     Stiffness,
     isotropic_stiffness,
 )
@@ -126,9 +127,7 @@ class RelativeTerm(Description):
     fraction: Annotated[
         Number, share("g_k", "relaxing fraction of the instantaneous modulus"), Field(gt=0, lt=1)
     ]
-    time: Annotated[
-        Number, Quantity("tau_k", "s", "relaxation time", "ms", (1e-6, 10.0)), Field(gt=0, le=1e15)
-    ]
+    time: RelaxationTime
 
     @classmethod
     def coerce(cls, value: Any) -> Any:

@@ -11,14 +11,14 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
-from ..quantities import length, line_load, pure, tension, velocity
+from ..quantities import line_load, pure, tension
 from .air import Air, with_film
 from .assumptions import of_winding
 from .bending import Bending, DrumBending, bends, faults_of_bending, too_soft
 from .bodies import Body, OptionalBody, Rigid
 from .consistency import different_moduli
 from .contact_problem import unused_speed
-from .fields import Nested, Number, OptionalNested, OptionalNumber, default
+from .fields import Nested, OptionalNested, default
 from .finished_roll import (
     OF_FINISHED_ROLL,
     CoreExpansion,
@@ -51,11 +51,10 @@ from .nip import (
     friction_capacity,
     slack_on_drum,
 )
-from .paths import field_or_none, field_quantity
+from .paths import field_or_none, quantity_of_field
 from .permitted import Conditional, in_brackets, is_within
 from .problem import only_in
-from .radial_laws import Pfeiffer
-from .roll import FEWEST_LAYERS, Core, GaugeExcess, RollProblem
+from .roll import FEWEST_LAYERS, Core, FinishedRadius, GaugeExcess, RollProblem
 from .schedules import (
     AnySchedule,
     Curve,
@@ -69,10 +68,15 @@ from .schedules import (
     unused_in_tapers,
     values_of,
 )
-from .stack import AnyStack, Stack
-from .thickness_profile import Oscillation, ThicknessProfile, faults_across, warnings_across
+from .stack import EXAMPLE, AnyStack
+from .thickness_profile import (
+    OptionalThicknessProfile,
+    Oscillation,
+    faults_across,
+    warnings_across,
+)
 from .two_drums import DrumLoads, TwoDrums, balanced_loads, roll_weight
-from .web import CaliperPressure, Web, WebDensity, centrifugal_stress
+from .web import CaliperPressure, Web, WebDensity, WebSpeed, centrifugal_stress
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -263,11 +267,7 @@ class WindingProblem(FinishedRollProblem):
         Field(description="the winding drum"),
         Conditional("required unless nip_load = 0"),
     ] = default(None)
-    radius: Annotated[
-        Number,
-        length("R", "radius of the finished roll", typical=(0.1, 0.75)),
-        Field(gt=0, le=100),
-    ] = Field(...)
+    radius: FinishedRadius = Field(...)
     roll_friction: RollFriction = Field(...)
     drum_friction: Annotated[OptionalDrumFriction, Conditional("required unless nip_load = 0")] = (
         default(None)
@@ -312,10 +312,7 @@ class WindingProblem(FinishedRollProblem):
         WebDensity, Conditional("required with limits.acceleration and with a winder")
     ] = default(None)
     gauge_excess: GaugeExcess = default(0.0)
-    thickness_profile: Annotated[
-        OptionalNested[ThicknessProfile],
-        Field(description="thickness of the web across its width"),
-    ] = default(None)
+    thickness_profile: OptionalThicknessProfile = default(None)
     oscillation: Oscillation = default(0.0)
     drum_bending: Annotated[
         OptionalNested[DrumBending],
@@ -341,12 +338,9 @@ class WindingProblem(FinishedRollProblem):
         Limits()
     )
 
-    web_speed: Annotated[
-        OptionalNumber,
-        velocity("V", "web speed", (1.0, 50.0)),
-        Field(ge=0, le=200),
-        Conditional("required with air or a viscoelastic drum"),
-    ] = default(None)
+    web_speed: Annotated[WebSpeed, Conditional("required with air or a viscoelastic drum")] = (
+        default(None)
+    )
     air: Annotated[OptionalNested[Air], Field(description="entrained air")] = default(None)
     width: Width = default(None)
     inertia: Annotated[
@@ -522,8 +516,7 @@ class WindingProblem(FinishedRollProblem):
         if schedule is None or isinstance(schedule, str):
             return
         low, high = schedule_limits(name, has_winder=self.winder is not None)
-        quantity = field_quantity(self, name)
-        unit = "" if quantity is None else in_brackets(quantity.unit)
+        unit = in_brackets(quantity_of_field(self, name).unit)
         must = f"must be >= {low:g} and <= {high:g}{unit}"
         if name == "nip_load" and not isinstance(schedule, Profile | Taper | Steps):
             if schedule == 0.0:  # without a nip
@@ -894,12 +887,9 @@ class WindingProblem(FinishedRollProblem):
     @classmethod
     def example(cls) -> Self:
         """Return newsprint of the thesis's Table 2 on a hard drum; K1 and K2 are illustrative."""
-        stack = Stack(
-            radial=Pfeiffer(K1=10e3, K2=40.0), tangential=3.38e9, poissons_ratio=0.01, shear=10e6
-        )
         return cls(
             web=Web(thickness=66e-6, material=material("newsprint")),
-            stack=stack,
+            stack=EXAMPLE,
             core=Core(radius=0.05, stiffness=1e9),
             drum=Rigid(radius=0.25),
             radius=0.6,

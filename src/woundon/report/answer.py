@@ -78,16 +78,14 @@ def main_outputs(result: Result) -> dict[str, str]:
 
 def _tensions(result: NipResult) -> str:
     """Return the wound-on tension as the sum of web tension and nip-induced tension."""
-    place = quantities.output(result, "wound_on_tension")
-    assert place is not None
-    assert place.quantity is not None
+    quantity = quantity_of(result, "wound_on_tension")
     tensions = (result.wound_on_tension, result.nip_induced_tension, result.problem.web_tension)
-    total, added, web = (float(place.quantity.shown(value)) for value in tensions)
+    total, added, web = (float(quantity.shown(value)) for value in tensions)
     size = abs(added) or abs(total) or 1.0
     digits = min(3, max(0, 2 - floor(log10(size))))  # three digits of the nip-induced tension
     # The difference of the rounded values: the printed sum is exact.
     total_shown, web_shown = round(total, digits), round(web, digits)
-    unit = place.quantity.display
+    unit = quantity.display
     texts = [
         f"{value:.{digits}f} {unit}" for value in (total_shown, web_shown, total_shown - web_shown)
     ]

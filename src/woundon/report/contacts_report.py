@@ -9,7 +9,7 @@ import numpy as np
 
 from ..nip.result import NipResult
 from ..quantities import Quantity, angle, line_load, share
-from .report_parts import Column, Part, Table, TableRow, quantity_of, values_row
+from .report_parts import Part, TableRow, quantity_of, values_row, values_table
 
 __all__ = ["FORCE", "LOAD", "TENSION", "USED", "contact_sentences", "contacts_parts"]
 
@@ -67,11 +67,10 @@ def contacts_parts(result: NipResult) -> list[Part]:
         row("web tension at the trailing edge", TENSION, "outlet_tension"),
         row("part of WOT_r that it adds", ADDED, "added_tension"),
     ]
-    heads = [Column(f"nip {k + 1}", "number") for k in range(len(contacts))]
-    columns = (Column(), *heads, Column("", "unit"))
+    heads = [f"nip {k + 1}" for k in range(len(contacts))]
     text = (
         "A winding force < 0 drives the web. A nip behind a web that sticks to the roll adds "
         "nothing: the strain with which the layer was laid is the strain with which it leaves the "
         "nip; the nip only squeezes the roll."
     )
-    return [Table("Nips of the web on the roll", columns, tuple(rows), text)]
+    return [values_table("Nips of the web on the roll", heads, rows, text)]

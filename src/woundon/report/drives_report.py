@@ -6,20 +6,19 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..problems.paths import field_quantity
+from ..problems.paths import quantity_of_field
 from ..winding.drives import DRIVES, Drive
 from ..winding.result import WindingResult
 from .panels import Axis, Curve, Panel
 from .report_parts import (
-    Column,
     Part,
     Row,
     Section,
-    Table,
     TableRow,
     output_row,
     quantity_of,
     values_row,
+    values_table,
 )
 from .roll_panels import over_radius
 
@@ -55,9 +54,8 @@ def drive_parts(result: WindingResult) -> list[Part]:
         for what in ("torque", "power"):
             meaning = f"largest {what} of the {words} drive"
             largest.append(output_row(result, f"{name}.largest_{what}", meaning=meaning))
-    columns = (Column(), *(Column("", "number") for _ in r), Column("", "unit"))
     return [
-        Table("Drives", columns, tuple(rows), _note(result)),
+        values_table("Drives", [""] * r.size, rows, _note(result)),
         Section("Largest torque and power of the drives", tuple(largest), _limits_of_use(result)),
     ]
 
@@ -95,8 +93,7 @@ def _limits_of_use(result: WindingResult) -> str:
     """Return the acceleration that the largest values include, and what they neglect."""
     problem = result.problem
     acceleration = problem.limits.acceleration
-    quantity = field_quantity(problem, "limits.acceleration")
-    assert quantity is not None
+    quantity = quantity_of_field(problem, "limits.acceleration")
     text = "At constant web speed (limits.acceleration is 0)."
     if acceleration:
         speed = f"speeding up and slowing down by {quantity.text(acceleration)}"
@@ -113,8 +110,8 @@ def _limits_of_use(result: WindingResult) -> str:
 
 def torque_panel(result: WindingResult) -> Panel:
     """Return the panel of the torque of the drives, with that of the acceleration dashed."""
-    curves = []
-    for name, (words, drive) in _named_drives(result).items():
+    drives, curves = _named_drives(result), []
+    for name, (words, drive) in drives.items():
         output = f"{name}.torque"
         curves.append(Curve.of_output(result, output, result.drive_radius, words, COLOURS[name]))
         if drive.acceleration_torque.any():
@@ -123,8 +120,7 @@ def torque_panel(result: WindingResult) -> Panel:
             curves.append(
                 Curve("", result.drive_radius, faster, "M", label, COLOURS[name], line="dashed")
             )
-    quantity = quantity_of(result, f"{next(iter(_named_drives(result)))}.torque")
-    y = Axis("Torque", quantity, from_zero=True)
+    y = Axis("Torque", quantity_of(result, f"{next(iter(drives))}.torque"), from_zero=True)
     return over_radius(result.radius, "torque", "Torque of the drives", y, curves, legend="right")
 
 

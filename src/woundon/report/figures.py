@@ -21,8 +21,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from ..errors import InvalidProblem
-from ..io.files import write_whole
+from ..io.files import check_ending, write_whole
 from ..quantities import Quantity
 from .panels import Axis
 from .report_parts import GREEK, SYMBOL
@@ -57,7 +56,7 @@ COLOURS = {
     "soft": "#888888",
     "alarm": "#B00020",
 }
-ZONE_COLOURS = {-1: "#E69F00", 0: "#F0F0F0", 1: "#56B4E9"}
+ZONE_COLOURS = {-1: COLOURS["amber"], 0: "#F0F0F0", 1: COLOURS["sky"]}
 ZONE_HATCHES = {-1: "\\\\\\\\", 0: "", 1: "////"}
 FORMULA = re.compile(r"\$([^$]*)\$")  # in a label
 MICROMETRES = re.compile(r"(?<=\d )um\b")  # in a label
@@ -153,11 +152,7 @@ def check_format(path: str | Path) -> str:
     InvalidProblem
         For an ending other than .png, .svg, .pdf.
     """
-    ending = Path(path).suffix
-    if ending not in _METADATA:
-        text = f"the ending {ending!r} is not a known format; must be {', '.join(_METADATA)}"
-        raise InvalidProblem.at(str(path), text)
-    return ending
+    return check_ending(path, _METADATA)
 
 
 def save_figure(figure: Figure, path: str | Path, *, dpi: int | None = None) -> None:

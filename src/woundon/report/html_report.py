@@ -58,7 +58,6 @@ def report_file(
     title: str = "",
     remarks: str = "",
     sources: Sequence[str] = (),
-    written: datetime | None = None,
 ) -> str:
     """Return a report of solved cases, the states, as an HTML page.
 
@@ -71,8 +70,6 @@ def report_file(
     title, remarks : str
     sources : sequence of str
         Where each case comes from, e.g. its file.
-    written : datetime, optional
-        Date of the report; by default the current time.
 
     Raises
     ------
@@ -86,7 +83,7 @@ def report_file(
         raise InvalidProblem.at("labels", f"{len(names)} labels; must be {len(results)}")
     title = title or " and ".join(dict.fromkeys(kinds.of(r).about.rstrip(".") for r in results))
     origin = f", from {escape(', '.join(sources))}" if sources else ""
-    date = (written or datetime.now()).strftime("%Y-%m-%d %H:%M")
+    date = datetime.now().strftime("%Y-%m-%d %H:%M")
     style = (resources.files(__package__) / "report_file.css").read_text("utf-8")
     parts = [report_parts(result) for result in results]
     body = "\n".join(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -40,20 +41,8 @@ def log_panels(log: WinderLog) -> list[Panel]:
         low, high = _ends(raw, bins.is_used)
         known = (raw >= low) & (raw <= high) & (r >= radii[0]) & (r <= radii[1])
         points = [
-            Curve(
-                "",
-                *_thinned(r, raw, known & chosen),
-                label=label,
-                colour=colour,
-                opacity=opacity,
-                line="none",
-                marker="point",
-            )
-            for chosen, label, colour, opacity in (
-                (bins.is_used, "rows", "sky", 0.4),
-                (~bins.is_used, "rows left out", "alarm", 1.0),
-            )
-            if (known & chosen).any()
+            *_points(r, raw, known & bins.is_used, "rows", "sky", 0.4),
+            *_points(r, raw, known & ~bins.is_used, "rows left out", "alarm", 1.0),
         ]
         means = Curve(
             name,
@@ -89,20 +78,8 @@ def stack_panels(fit: StackFit) -> list[Panel]:
     grid = np.linspace(P.min(), P.max(), 200)
     pressure = stress("P", "pressure on the stack")
     points = [
-        Curve(
-            "",
-            *_thinned(test.strain, test.pressure, chosen),
-            label=label,
-            colour=colour,
-            line="none",
-            marker="point",
-            opacity=0.5,
-        )
-        for chosen, label, colour in (
-            (~test.is_used, "rows left out", "sky"),
-            (test.is_used, "rows", "soft"),
-        )
-        if chosen.any()
+        *_points(test.strain, test.pressure, ~test.is_used, "rows left out", "sky", 0.5),
+        *_points(test.strain, test.pressure, test.is_used, "rows", "soft", 0.5),
     ]
     laws, moduli = [], []
     for k, each in enumerate(fit.laws):
@@ -145,8 +122,15 @@ def _ends(values: Array, used: Array) -> Limits:
     return float(low - margin), float(high + margin)
 
 
-def _thinned(x: Array, y: Array, chosen: Array) -> tuple[Array, Array]:
-    """Return the chosen points, at most ``MOST_POINTS`` of them; all arrays are (n,)."""
+def _points(
+    x: Array, y: Array, chosen: Array, label: str, colour: str, opacity: float
+) -> Iterator[Curve]:
+    """Yield the chosen rows as points, at most ``MOST_POINTS`` of them; nothing without rows.
+
+    All arrays are (n,); other arguments are fields of the curve.
+    """
     rows = np.flatnonzero(chosen)
     rows = rows[:: 1 + rows.size // MOST_POINTS]
-    return x[rows], y[rows]
+    if rows.size:
+        points = Curve("", x[rows], y[rows], label=label, colour=colour, opacity=opacity)
+        yield replace(points, line="none", marker="point")

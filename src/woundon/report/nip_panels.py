@@ -196,11 +196,9 @@ def tension(result: NipResult) -> Panel:
 
 def air_film(result: NipResult) -> Panel:
     """Return the panel of the entrained air between web and roll."""
-    assert result.air is not None
-    h = quantity_of(result, "air.thickness")
-    x, film = result.x[result.in_nip], result.air.thickness
-    curve = Curve("air.thickness", x, film, symbol=h.symbol, label="between web and roll")
-    y = Axis("Air film $h$", h, from_zero=True)
+    x = result.x[result.in_nip]
+    curve = Curve.of_output(result, "air.thickness", x, label="between web and roll")
+    y = Axis("Air film $h$", quantity_of(result, "air.thickness"), from_zero=True)
     return _panel(result, "air_film", "Air film in the nip", y, [curve])
 
 

@@ -9,7 +9,7 @@ Labels contain symbols between dollars, in the notation of quantities: ``"Pressu
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -38,6 +38,7 @@ __all__ = [
     "Regions",
     "Scale",
     "Strip",
+    "axis_of_names",
     "round_at_most",
     "widest",
 ]
@@ -356,6 +357,11 @@ class PanelMaker:
 
 
 PanelMakers = Mapping[str, PanelMaker]
+
+
+def axis_of_names(names: Sequence[str], room: float = 0.6) -> Axis:
+    """Return a vertical axis of names, the first on top, with some room above it and below."""
+    return Axis("", limits=(len(names) - 1 + room, -room), names=tuple(names))
 
 
 def round_at_most(limit: float) -> float:

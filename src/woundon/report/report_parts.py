@@ -19,7 +19,7 @@ from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..problems.description import Description
 from ..problems.fields import FLAGS
-from ..problems.paths import field_quantity, get_field
+from ..problems.paths import get_field, quantity_of_field
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Steps, Taper
 from ..quantities import Quantity, in_chosen_units, rounded_text
@@ -44,13 +44,13 @@ __all__ = [
     "nip_zones",
     "output_row",
     "quantity_of",
-    "quantity_of_field",
     "roller_zones",
     "row_of",
     "rows_of_given",
     "schedule_rows",
     "value_row",
     "values_row",
+    "values_table",
     "warning_lines",
     "zone_line",
     "zone_strips",
@@ -185,6 +185,14 @@ def values_row(label: str, quantity: Quantity, values: Array) -> TableRow:
     return TableRow((label, *shown, quantity.display))
 
 
+def values_table(
+    title: str, heads: Sequence[str], rows: Iterable[TableRow], text: str = ""
+) -> Table:
+    """Return a table of rows as of :func:`values_row`, with a head for each of their values."""
+    columns = (Column(), *(Column(head, "number") for head in heads), Column("", "unit"))
+    return Table(title, columns, tuple(rows), text)
+
+
 @dataclass(frozen=True, eq=False)
 class ZoneStrips:
     """Zones along a contact.
@@ -293,14 +301,6 @@ def _list_text(values: Sequence[float]) -> str:
 def rows_of_given(problem: Description, *names: str) -> list[Row]:
     """Return the rows of the fields that are given and not zero."""
     return [field_row(problem, name) for name in names if getattr(problem, name)]
-
-
-def quantity_of_field(problem: Description | type[Description], name: str) -> Quantity:
-    """Return the quantity of a field of a problem, or of a class of problems."""
-    quantity = field_quantity(problem, name)
-    if quantity is None:
-        raise AttributeError(f"{name} of a {type(problem).__name__} has no quantity")
-    return quantity
 
 
 def field_row(problem: Description, name: str, *, empty: float = nan, **texts: str) -> Row:

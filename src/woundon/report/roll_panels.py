@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from ..problems.paths import quantity_of_field
 from ..problems.roll import RollProblem
 from ..roll.result import RollResult
 from .lane_panels import lane_panels
 from .panels import Area, Axis, Curve, Disc, Limits, Mark, Panel, PanelMaker, Scale
-from .report_parts import quantity_of, quantity_of_field
+from .report_parts import quantity_of
 
 __all__ = [
     "cut_above",

@@ -48,11 +48,8 @@ OFF_CORE = [
     "sliding_collapse_load",
     "bonded_collapse_load",
 ]
-IN_OTHER_SECTIONS = frozenset({*OFF_CORE, *WEIGHT})
-LEFT_OUT = (
-    frozenset({"residual", "steps", "compressed_share", "lane_count"})
-    | IN_OTHER_SECTIONS
-    | WORST_LANE
+LEFT_OUT = frozenset(
+    {"residual", "steps", "compressed_share", "lane_count", *OFF_CORE, *WEIGHT, *WORST_LANE}
 )
 BAND = "Thickest lane across the width (closed form)"
 # of a roll alone, and of the roll of a winding

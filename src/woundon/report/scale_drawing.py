@@ -20,12 +20,13 @@ from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..problems.bodies import Body
 from ..problems.nip import NipProblem
+from ..problems.paths import quantity_of_field
 from ..problems.rollers import RollerProblem
 from ..quantities import Quantity
 from ..results import Result, zone_runs
 from .figures import Picture, style, text_of, zone_look
 from .panels import round_at_most
-from .report_parts import quantity_of, quantity_of_field, zone_strips
+from .report_parts import quantity_of, zone_strips
 
 __all__ = ["scale_drawing"]
 

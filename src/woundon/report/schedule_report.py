@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..io.spreadsheets import in_csv_style
+from ..problems.paths import quantity_of_field
 from ..problems.roll import RollProblem
 from ..quantities import length, share, stress
 from ..roll.design import TensionDesign
@@ -22,7 +23,6 @@ from .report_parts import (
     Table,
     TableRow,
     quantity_of,
-    quantity_of_field,
     row_of,
 )
 from .roll_panels import over_radius, radii_between

@@ -8,8 +8,9 @@ import numpy as np
 
 from .. import kinds, quantities
 from ..problems.nip import NipProblem
+from ..problems.paths import quantity_of_field
 from ..problems.rollers import RollerProblem
-from .report_parts import Column, Line, Part, Table, TableRow, quantity_of_field
+from .report_parts import Column, Line, Part, Table, TableRow
 
 if TYPE_CHECKING:
     from ..sensitivity import Sensitivity

@@ -12,7 +12,7 @@ from ..quantities import Quantity
 from ..roll.result import RollResult
 from ..studies.window_result import LEVELS, OperatingWindow
 from ..winding.margins import TITLES
-from .panels import SERIES, Axis, Bars, Contour, Curve, Map, Mark, Panel, Regions
+from .panels import SERIES, Axis, Bars, Contour, Curve, Map, Mark, Panel, Regions, axis_of_names
 from .report_parts import quantity_of
 
 if TYPE_CHECKING:
@@ -291,7 +291,7 @@ def plan_panels(plan: NextExperiment) -> list[Panel]:
         Panel(
             "plan",
             x,
-            Axis("", limits=(steps[-1] + 0.4, -0.4), names=tuple(names)),  # the first on top
+            axis_of_names(names, room=0.4),
             curves=tuple(curves),
             width=7.0,
             height=2.0 + 0.45 * len(plan.measurements),
@@ -311,7 +311,7 @@ def indices_panels(indices: SobolIndices) -> list[Panel]:
         order = np.argsort(-indices.total_order[k], kind="stable")
         alone, total = indices.first_order[k, order], indices.total_order[k, order]
         inputs = [indices.inputs[j] for j in order]
-        names = tuple(in_words(name, known.get(name)) for name in inputs)
+        names = [in_words(name, known.get(name)) for name in inputs]
         words = in_words(output, known.get(output))
         bars = (
             Bars(
@@ -333,7 +333,7 @@ def indices_panels(indices: SobolIndices) -> list[Panel]:
             Panel(
                 output,
                 Axis("share of the variance, with 95 % intervals"),
-                Axis("", limits=(len(names) - 0.4, -0.6), names=names),  # the first on top
+                axis_of_names(names),
                 bars=bars,
                 heading=words,
                 height=0.42 * len(names) + 1.0,

@@ -25,7 +25,7 @@ from ..studies.window_result import OperatingWindow
 from .drawing import check_axes, show_panels
 from .measured_panels import log_panels, stack_panels
 from .moduli_panels import master_curve_panels
-from .panels import Axis, Bars, Mark, Panel
+from .panels import Axis, Bars, Mark, Panel, axis_of_names
 from .result_panels import chosen, named_panels
 from .study_panels import (
     comparison_panels,
@@ -86,12 +86,11 @@ def _schedule_panels(
 
 def _reserves(before: Margins, after: Margins) -> list[Panel]:
     """Return the panel of the reserves before and after, whose bars are next to each other."""
-    names = tuple(margin.name for margin in after if margin.checked)
-    titles = tuple(after[name].title for name in names)
+    names = [margin.name for margin in after if margin.checked]
     panel = Panel(
         "reserves",
         Axis("Reserve, share of the limit, at most 100 [%]"),
-        Axis("", limits=(len(names) - 0.4, -0.6), names=titles),  # the first on top
+        axis_of_names([after[name].title for name in names]),
         marks=(Mark("y", 0.0, colour="alarm", alone=False),),
         width=5.2,
     )

@@ -10,7 +10,7 @@ from ..quantities import angle, share, value_of
 from ..winding.drum_nips import DrumNips
 from ..winding.result import WindingResult
 from .contacts_report import FORCE, LOAD, TENSION, USED
-from .report_parts import Column, Part, Table, TableRow, quantity_of, values_row
+from .report_parts import Part, TableRow, quantity_of, values_row, values_table
 
 __all__ = ["drum_sentences", "winder_parts"]
 
@@ -67,8 +67,8 @@ def winder_parts(result: WindingResult) -> list[Part]:
         *_rows_of_nips(result, result.front, "front drum", r),
         *_rows_of_nips(result, result.rider, "rider", r),
     ]
-    columns = (Column(), *(Column("", "number") for _ in r), Column("", "unit"))
-    return [Table("Two-drum winder", columns, tuple(rows), "A winding force < 0 drives the roll.")]
+    text = "A winding force < 0 drives the roll."
+    return [values_table("Two-drum winder", [""] * r.size, rows, text)]
 
 
 def _radii(result: WindingResult) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..problems.paths import field_or_none
+from ..problems.winding import SCHEDULES
 from ..winding.margins import TITLES
 from ..winding.result import WindingResult
 from .drives_report import DRIVE_OUTPUTS, drive_parts
@@ -33,29 +34,14 @@ from .winder_report import winder_parts
 
 __all__ = ["winding_report"]
 
-SCHEDULES = (
-    "web_tension",
-    "nip_load",
-    "winding_force",
-    "torque_split",
-    "nip_induced_tension",
-    "winder.rider_load",
-    "winder.core_torque",
-)
 # in other rows, or among the margins
 LEFT_OUT = frozenset(
     {
         "residual",
-        "coupling_rtol",
         "air_film",
-        "nodes",
-        "roll_rtol",
-        "nips_solved",
         "mass",
         "mean_wound_on_tension",
         "mean_nip_induced_tension",
-        "interpolation_error",
-        "core_interpolation_error",
         "torque_share",
         "largest_compression",
         "largest_core_pressure",
@@ -81,6 +67,7 @@ LEFT_OUT = frozenset(
         *OFF_CORE,
         *WORST_LANE,
         *DRIVE_OUTPUTS,
+        *WindingResult.ESTIMATES,
     }
 )
 LAWS = {
@@ -154,5 +141,6 @@ def _schedules(result: WindingResult) -> Iterator[Row]:
         # the winding force follows from the torque split; without a nip there is none
         if name == "winding_force" and (problem.torque_split is not None or not problem.has_nip):
             continue
-        if field_or_none(problem, name) is not None:
+        # the law is in the text on the tension
+        if name != "tension_law" and field_or_none(problem, name) is not None:
             yield from schedule_rows(problem, name, problem.at(name, problem.ends))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from importlib.util import find_spec
-from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +23,7 @@ EXPORTS = (".nc", ".csv", ".xlsx", ".parquet")
 TABLES = (".csv", ".xlsx")  # formats of tables of cases that are not studies
 
 
-def check_export(path: str | PathLike[str], endings: tuple[str, ...] = EXPORTS) -> Path:
+def check_export(path: str | Path, endings: tuple[str, ...] = EXPORTS) -> Path:
     """Return the path of a file that can be written.
 
     Raises

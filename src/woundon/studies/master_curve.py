@@ -14,7 +14,7 @@ import numpy as np
 from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem
 from ..io.cells import numbers_by_name
-from ..io.files import check_writable
+from ..io.files import check_ending, check_writable
 from ..io.sheets import Sheet, TableSource, read_sheet
 from ..io.spreadsheets import write_csv
 from ..io.tables import Column, Names, match_columns
@@ -27,7 +27,6 @@ from ..problems.superposition import (
     wlf_shifts,
 )
 from ..quantities import Quantity, pure, stress
-from .export import check_export
 from .outcome import Outcome
 
 if TYPE_CHECKING:
@@ -199,7 +198,8 @@ class MasterCurve(Outcome):
             For another ending, and a folder that does not exist or cannot be written.
         """
         check_type("path", path, str, os.PathLike)
-        check_writable(check_export(path, (".csv",)))
+        check_ending(path, (".csv",))
+        check_writable(Path(path))
         units = {"frequency": "Hz", "storage_modulus": "Pa", "loss_modulus": "Pa"}
         frame = self.to_dataframe()[list(units)]
         write_csv(Path(path), frame.rename(columns=lambda name: f"{name} [{units[name]}]"))
