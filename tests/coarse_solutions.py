@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from functools import cache
-from inspect import signature
 from typing import Any
 
 import woundon as wo
 from woundon import kinds
+from woundon.arguments import keywords_of
 
 __all__ = ["coarse_options", "coarse_solution", "solve_coarsely"]
 
@@ -17,7 +17,7 @@ WINDING = {"rtol": 0.1, "coupling_rtol": 1e-2, "nodes": 25}
 
 def coarse_options(kind: kinds.Kind, nodes: int) -> dict[str, Any]:
     """Return options of a kind's solver that make it quick."""
-    options = signature(kind.solver).parameters
+    options = keywords_of(kind.solver)
     if "coupling_rtol" in options:
         return dict(WINDING)
     return {"nodes": nodes} if "nodes" in options else {}

@@ -25,17 +25,23 @@ class Server(NamedTuple):
     def memory(self) -> dict[str, float]:
         """Return what its processes hold, the server's and all workers' [MB]; {} if unknown."""
         try:
-            workers = [int(p) for task in Path(f"/proc/{self.pid}/task").iterdir()
-                       for p in (task / "children").read_text().split()]  # fmt: skip
+            children = self._children()
         except OSError:
             return {}
-        return {"server": _resident(self.pid), "workers": sum(map(_resident, workers))}
+        return {"server": _resident(self.pid), "workers": sum(map(_resident, children))}
 
     def workers(self) -> list[int]:
         """Return the ids of its worker processes."""
-        found = [int(p) for task in Path(f"/proc/{self.pid}/task").iterdir()
-                 for p in (task / "children").read_text().split()]  # fmt: skip
-        return [pid for pid in found if b"popen_loky" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+        return [
+            pid
+            for pid in self._children()
+            if b"popen_loky" in Path(f"/proc/{pid}/cmdline").read_bytes()
+        ]
+
+    def _children(self) -> list[int]:
+        """Return the ids of all processes that it has started."""
+        tasks = Path(f"/proc/{self.pid}/task").iterdir()
+        return [int(pid) for task in tasks for pid in (task / "children").read_text().split()]
 
 
 def _resident(pid: int) -> float:

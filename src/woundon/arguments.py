@@ -7,6 +7,8 @@ is first used; the other functions check an argument of one function.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
+from functools import cache
+from inspect import signature
 from os import PathLike
 from typing import Any, NamedTuple
 
@@ -19,6 +21,7 @@ __all__ = [
     "Option",
     "check_arguments",
     "check_type",
+    "keywords_of",
     "nodes_or_rtol",
     "tolerance",
     "whole_number",
@@ -40,6 +43,13 @@ class Option(NamedTuple):
 
     help: str
     details: str = ""
+
+
+@cache
+def keywords_of(function: Callable[..., object]) -> Mapping[str, object]:
+    """Return the keyword-only arguments of a function with their defaults."""
+    arguments = signature(function).parameters.values()
+    return {a.name: a.default for a in arguments if a.kind is a.KEYWORD_ONLY}
 
 
 def check_type(name: str, value: object, *types: type) -> None:

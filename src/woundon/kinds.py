@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from inspect import Parameter, signature
 from typing import (
     Annotated,
     Any,
@@ -30,7 +29,7 @@ from typing import (
 )
 
 from . import plugins
-from .arguments import Option
+from .arguments import Option, keywords_of
 from .errors import InputWarning, InvalidProblem, did_you_mean, one_of, warn
 from .nip.result import NipResult
 from .nip.roller_result import RollerResult
@@ -123,13 +122,9 @@ class Kind(Generic[ProblemT, ResultT]):
         of the problem.  The others (functions, warm starts) are for Python only.
         """
         hints = get_type_hints(self.solver, include_extras=True)
-        options = {}
-        for name, argument in signature(self.solver).parameters.items():
-            if argument.kind is Parameter.KEYWORD_ONLY and name not in self.problem.model_fields:
-                option = _option_of(hints.get(name))
-                if option is not None:
-                    options[name] = option
-        return options
+        names = [n for n in keywords_of(self.solver) if n not in self.problem.model_fields]
+        options = {name: _option_of(hints.get(name)) for name in names}
+        return {name: option for name, option in options.items() if option is not None}
 
 
 def _option_of(hint: Any) -> SolverOption | None:

@@ -30,3 +30,10 @@ def catalogue(server):
 def cases(catalogue):
     """The tables of each kind's example."""
     return {kind["name"]: kind["example"] for kind in catalogue["kinds"]}
+
+
+@pytest.fixture(scope="session")
+def slow_nip(cases):
+    """The tables of a nip on a hardening roll, whose solution takes seconds."""
+    roll = {"kind": "wound_roll", "radius": 0.1, "core_radius": 0.0445, "pressure": 200e3}
+    return cases["nip"] | {"roll": roll | {"stack": cases["roll"]["stack"]}}

@@ -31,15 +31,14 @@ def test_a_fault_is_recognised():
 
 
 @pytest.mark.slow
-def test_workers_killed_at_work_give_one_error_and_the_next_request_is_served(process, cases):
+def test_workers_killed_at_work_give_one_error_and_the_next_request_is_served(
+    process, cases, slow_nip
+):
     """All of them at once, in the midst of a state that takes seconds."""
-    stack = cases["roll"]["stack"]
-    roll = {"kind": "wound_roll", "radius": 0.1, "core_radius": 0.0445, "stack": stack,
-            "pressure": 200e3}  # fmt: skip
-    slow, answers = cases["nip"] | {"roll": roll}, []
+    answers = []
 
     def ask():
-        answers.append(httpx.post(f"{process.address}/api/solve", json=slow, timeout=120,
+        answers.append(httpx.post(f"{process.address}/api/solve", json=slow_nip, timeout=120,
                                   params={"nodes": 257}))  # fmt: skip
 
     def spent():

@@ -19,13 +19,10 @@ def events(client, study):
         yield from map(json.loads, answer.iter_lines())
 
 
-def slow(cases):
-    """A study that takes much longer than the test: a hardening roll, a hundred cases."""
-    stack = cases["roll"]["stack"]
-    roll = {"kind": "wound_roll", "radius": 0.1, "core_radius": 0.0445, "stack": stack,
-            "pressure": 200e3}  # fmt: skip
-    case = cases["nip"] | {"roll": roll}
-    return {"case": case, "over": {"nip_load": {"from": 2000, "to": 4000, "count": 100}}}
+@pytest.fixture
+def slow(slow_nip):
+    """A study that takes much longer than the test: a hundred cases."""
+    return {"case": slow_nip, "over": {"nip_load": {"from": 2000, "to": 4000, "count": 100}}}
 
 
 def test_a_study_has_the_numbers_of_a_sweep(client, cases):
@@ -58,8 +55,8 @@ def test_a_case_that_fails_is_a_row_with_its_reason(client, cases):
     assert computed["values"]["wound_on_tension"][1] is None
 
 
-def test_a_study_is_cancelled_by_its_session(client, cases):
-    stream = events(client, slow(cases))
+def test_a_study_is_cancelled_by_its_session(client, slow):
+    stream = events(client, slow)
     assert next(stream)["cases"] == 100
     other = httpx.post(f"{client.base_url}/api/cancel", headers={"X-Session": "somebody-else"})
     assert other.json() == {"cancelled": False}
@@ -69,8 +66,8 @@ def test_a_study_is_cancelled_by_its_session(client, cases):
     assert time.monotonic() - began < 60  # all cases take minutes on such a machine
 
 
-def test_a_study_ends_with_the_page_that_asked(client, cases):
-    stream = events(client, slow(cases))
+def test_a_study_ends_with_the_page_that_asked(client, slow):
+    stream = events(client, slow)
     next(stream)
     stream.close()
     deadline = time.monotonic() + 120
@@ -131,13 +128,13 @@ def test_a_study_of_nothing_is_rejected(client, cases, change, field):
     assert answer.json()["errors"][0]["field"] == field
 
 
-def test_a_long_study_of_another_leaves_states_their_worker(client, server, cases):
+def test_a_long_study_of_another_leaves_states_their_worker(client, server, cases, slow):
     """They have processes of their own: a state comes while all workers of studies are busy."""
     begun, stop = threading.Event(), threading.Event()
 
     def study():
         with httpx.Client(base_url=server, timeout=120, headers={"X-Session": "long-study"}) as own:
-            for _ in events(own, slow(cases)):
+            for _ in events(own, slow):
                 begun.set()
                 if stop.is_set():
                     return

@@ -6,7 +6,7 @@ import sqlite3
 import time
 from collections.abc import Mapping
 from contextlib import closing, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import exp, pi, sin
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,9 +15,17 @@ from typing import Any
 import numpy as np
 from process_tasks import crash_at_three
 
+import woundon as wo
 from woundon.quantities import Quantity, pure
 from woundon.studies.measurements import Observations
 from woundon.studies.model import Answer
+
+# a roll of 60 layers with full slip in the nip, so that no nip is solved
+BOARD = wo.WindingProblem.example().replace(
+    stack=wo.Stack(radial=27e6, tangential=3.38e9, poissons_ratio=0.01, shear=10e6), radius=0.08,
+    tension_law="friction", limits=wo.Limits(blocking_pressure="200 kPa"),
+    **{"web.thickness": "500 um"},
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -114,7 +122,8 @@ class ClosedForm:
 class CurveModel:
     """y = f(a, b, x) for a fit of a and b; derivatives by differences."""
 
-    tie: Mapping[str, str] = field(default_factory=dict)
+    def followers(self, name: str) -> list[str]:
+        return []
 
     def variant(self, inputs: Mapping[str, float]) -> Mapping[str, float]:
         return inputs

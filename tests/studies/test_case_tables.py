@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas
 import pytest
+import study_models as models
 from thesis_cases import paper_nip
 
 import woundon as wo
 from woundon.cli import commands as cli
-from woundon.studies.api import study_of
 from woundon.studies.export import export
-from woundon.studies.run import Table, Workers, run_study
 
 CASE = Path(__file__).with_name("nip_alone.toml")
 STEEL = wo.HalfPlane(radius=0.1, material=wo.material("steel"))
@@ -33,15 +31,9 @@ QUICK = {"nodes": 13}
 SAME, SAME_ESTIMATE = 1e-8, 6e-5
 
 
-def sweep_table(problem: Any, *given: Any, nodes: int, **options: Any) -> Table:
-    """Solve a study; return its table."""
-    cases = study_of(problem, *given, options={"nodes": nodes}, **options)
-    return run_study(*cases, Workers(1))
-
-
 @pytest.fixture(scope="module")
 def study():
-    return sweep_table(paper_nip(), OVER, OUTPUTS, **QUICK)
+    return models.table_of(paper_nip(), OVER, OUTPUTS, options=QUICK)
 
 
 @pytest.mark.parametrize("ending", ["csv", "xlsx"])
@@ -50,7 +42,7 @@ def test_a_table_that_a_study_writes_is_read_as_cases(tmp_path: Path, study, end
         pytest.importorskip("openpyxl")
     path = tmp_path / f"study.{ending}"
     export(study, path)
-    again = sweep_table(paper_nip(), path, OUTPUTS, **QUICK)
+    again = models.table_of(paper_nip(), path, OUTPUTS, options=QUICK)
     assert again.cases.design == "table"
     one, two = study.cases.frame, again.cases.frame
     assert list(one) == list(two)
@@ -91,13 +83,13 @@ def test_a_table_of_ones_own_from_a_study_file(tmp_path: Path, capsys: pytest.Ca
 
 def test_what_is_field_and_output_is_an_input_unless_a_study_wrote_the_table(tmp_path: Path):
     pair = wo.RollerProblem.example()
-    table = sweep_table(pair, {"load": [8e4, 9e4]}, ["creepage"], nodes=17)
+    table = models.table_of(pair, {"load": [8e4, 9e4]}, ["creepage"], options={"nodes": 17})
     export(table, tmp_path / "study.csv")
-    again = sweep_table(pair, tmp_path / "study.csv", ["creepage"], nodes=17)
+    again = models.table_of(pair, tmp_path / "study.csv", ["creepage"], options={"nodes": 17})
     assert again.cases.names == ("load",)
     own = pandas.DataFrame({"load": [8e4], "creepage": [1e-4]})
     free = pair.replace(tangential_load=None)
-    given = sweep_table(free, own, ["tangential_load"], nodes=17)
+    given = models.table_of(free, own, ["tangential_load"], options={"nodes": 17})
     assert given.cases.names == ("load", "creepage")
 
 

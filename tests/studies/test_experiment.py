@@ -9,16 +9,15 @@ import itertools
 import json
 import sys
 from collections.abc import Iterator
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
+from registered_kinds import registered
 from scipy.optimize import least_squares
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon import kinds
 from woundon.cli import commands as cli
 from woundon.io.case_files import to_toml
 
@@ -31,12 +30,8 @@ SIGMA = 1e-4  # of an extension [m]
 @pytest.fixture(autouse=True)
 def _springs() -> Iterator[None]:
     """The kind of springs is registered for the time of a test."""
-    before = dict(kinds._KINDS)
-    import_module("spring_problem")
-    yield
-    kinds._KINDS.clear()
-    kinds._KINDS.update(before)
-    del sys.modules["spring_problem"]
+    with registered("spring_problem"):
+        yield
 
 
 def row(*stiffness: float, force: float = 10.0) -> wo.Problem:

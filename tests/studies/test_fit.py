@@ -428,8 +428,8 @@ def test_a_parameter_without_effect_in_any_row_is_rejected():
         wo.fit(roll, measured, {"radial_expansion": (0, 1e-4)})
 
 
-def test_a_parameter_may_have_its_effect_by_another_one_or_in_a_row():
-    """Swelling acts with a change of moisture, which another parameter or a column states."""
+def test_a_parameter_may_have_its_effect_in_a_row():
+    """The expansion acts with a change of temperature, which a column states."""
     roll = wo.RollProblem.example().replace(radial_expansion=2e-4)
     warmed = [{"temperature_change": t} for t in (0.0, 10.0, 20.0)]
     pressures = [wo.solve(roll.replace(**changes)).core_pressure for changes in warmed]
@@ -452,20 +452,3 @@ def test_a_parameter_has_the_effects_of_those_that_follow_it():
     KindModel(wound, (), tie={"radial_swelling": "core_swelling"}).check_effects(ranges)
     with pytest.raises(wo.InvalidProblem, match="core_swelling: has no effect in this case"):
         KindModel(wound, ()).check_effects(ranges)
-
-
-def test_a_parameter_may_have_its_effect_by_another_parameter():
-    """The expansion through the stack acts with a change of temperature, which is fitted too."""
-    roll = wo.RollProblem.example().replace(core_shrinkage=1e-4)
-    warmed = roll.replace(temperature_change=10.0, radial_expansion=1e-4)
-    result = wo.solve(warmed, rtol=1e-2)
-    measured = pd.DataFrame(
-        {"core_pressure [Pa]": [result.core_pressure], "mid_pressure [Pa]": [result.mid_pressure]}
-    )
-    found = wo.fit(
-        roll, measured, {"temperature_change": (1, 50), "radial_expansion": (1e-5, 1e-3)},
-        starts=1, profiles=False, rtol=1e-2,
-    )  # fmt: skip
-    # only their product strains the roll
-    product = found.estimate("temperature_change") * found.estimate("radial_expansion")
-    assert product == pytest.approx(1e-3, rel=0.01)

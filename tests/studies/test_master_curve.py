@@ -25,7 +25,7 @@ def rubber() -> Rubber:
     return Rubber.random(np.random.default_rng(3))
 
 
-def exact_isotherms(**noise: Any) -> dict[float, dict[str, Array]]:
+def exact_isotherms() -> dict[float, dict[str, Array]]:
     """Isotherms without scatter."""
     tables = {}
     for T in TEMPERATURES:

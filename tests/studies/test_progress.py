@@ -16,9 +16,6 @@ def test_a_bar_says_what_is_done(capsys: pytest.CaptureFixture[str]):
     with progress_reporter(True, "drawing", unit="figures/min", done=4) as report:
         report(10, 10)
     assert re.search(r"drawing .*10/10 \S+ figures/min", capsys.readouterr().err)
-    with bar("solving", "cases/s") as report:
-        report(2, 2)
-    assert re.search(r"solving .*2/2 \S+ cases/s", capsys.readouterr().err)
 
 
 def test_a_file_contains_lines_in_place_of_a_bar(

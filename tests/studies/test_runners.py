@@ -111,28 +111,12 @@ def test_the_profiles_of_a_fit_are_found_on_a_cluster(thread):
 
 @pytest.mark.filterwarnings("ignore")
 def test_an_operating_window_is_solved_on_a_cluster(thread):
-    board = wo.WindingProblem.example().replace(
-        stack=wo.Stack(radial=27e6, tangential=3.38e9, poissons_ratio=0.01, shear=10e6),
-        radius=0.08, tension_law="friction", limits=wo.Limits(blocking_pressure="200 kPa"),
-        **{"web.thickness": "500 um"},
-    )  # fmt: skip
     given = {"uncertain": {"roll_friction": 0.3}, "samples": 128}
-    here = wo.operating_window(board, (200, 500), (1e3, 4e3), **given, workers=1)
+    here = wo.operating_window(models.BOARD, (200, 500), (1e3, 4e3), **given, workers=1)
     there = wo.operating_window(
-        board, (200, 500), (1e3, 4e3), **given, scheduler=thread.scheduler_address
+        models.BOARD, (200, 500), (1e3, 4e3), **given, scheduler=thread.scheduler_address
     )
     np.testing.assert_array_equal(here.probability, there.probability)
-
-
-@pytest.mark.filterwarnings("ignore")
-def test_any_work_is_done_on_a_cluster(thread):
-    """Here the solution of a list of problems."""
-    pair = wo.RollerProblem.example()
-    problems = [pair.replace(load=load) for load in (5e4, 1e5)]
-    solved = dict(Workers(scheduler=thread.scheduler_address).map(wo.solve, problems))
-    assert [solved[each].half_width for each in problems] == [
-        wo.solve(each).half_width for each in problems
-    ]
 
 
 @pytest.mark.filterwarnings("ignore")

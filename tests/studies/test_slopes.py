@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
-from importlib import import_module
+from types import ModuleType
 
 import numpy as np
 import pytest
+from registered_kinds import registered
 from thesis_cases import film_nip, paper_nip
 
 import woundon as wo
-from woundon import kinds
 from woundon.studies.measurements import Observable
 from woundon.studies.model import model_of
 from woundon.studies.slopes import slopes
@@ -88,14 +87,10 @@ def test_exact_ones_are_the_results_own() -> None:
 
 
 @pytest.fixture
-def registered() -> Iterator[None]:
-    """Kinds of the tests are registered for the time of a test."""
-    before = dict(kinds._KINDS)
-    yield
-    kinds._KINDS.clear()
-    kinds._KINDS.update(before)
-    for name in ("curve_problem", "spring_problem"):
-        sys.modules.pop(name, None)
+def curves() -> Iterator[ModuleType]:
+    """The kind of closed-form curves, registered for the time of a test."""
+    with registered("curve_problem") as module:
+        yield module
 
 
 def test_differences_of_a_nip_with_tied_fields_are_the_exact_derivatives() -> None:
@@ -110,24 +105,20 @@ def test_differences_of_a_nip_with_tied_fields_are_the_exact_derivatives() -> No
     assert near == pytest.approx(exact, rel=0.02)
 
 
-def test_tied_fields_are_summed_and_one_output_without_derivative_leaves_differences(
-    registered: None,
-) -> None:
+def test_tied_fields_are_summed_and_one_output_without_derivative_leaves_differences() -> None:
     """Closed form: the row of two springs ends at 2 F/k."""
-    springs = import_module("spring_problem")
-    parts = [{"stiffness": 160.0}, {"stiffness": 160.0}]
-    row = springs.SpringsProblem(springs=parts, force=3.0)
-    k = "springs.0.stiffness"
-    for outputs, tolerance in ((["end"], 1e-12), (["end", "extension"], 1e-5)):
-        model = model_of(row, outputs, {"springs.1.stiffness": k}, {})
-        found = slopes(model, model.run({}, None).state, [Observable(o) for o in outputs], [k])
-        # a central difference is off by the square of its step, 3e-3
-        assert found == pytest.approx(np.full(found.shape, -6.0 / 160.0**2), rel=tolerance)
+    parts, k = [{"stiffness": 160.0}, {"stiffness": 160.0}], "springs.0.stiffness"
+    with registered("spring_problem") as springs:
+        row = springs.SpringsProblem(springs=parts, force=3.0)
+        for outputs, tolerance in ((["end"], 1e-12), (["end", "extension"], 1e-5)):
+            model = model_of(row, outputs, {"springs.1.stiffness": k}, {})
+            found = slopes(model, model.run({}, None).state, [Observable(o) for o in outputs], [k])
+            # a central difference is off by the square of its step, 3e-3
+            assert found == pytest.approx(np.full(found.shape, -6.0 / 160.0**2), rel=tolerance)
 
 
-def test_a_difference_is_one_sided_at_a_limit(registered: None) -> None:
+def test_a_difference_is_one_sided_at_a_limit(curves: ModuleType) -> None:
     """At the end of the permitted range of a line, and next to a limit of existence."""
-    curves = import_module("curve_problem")
     end = wo.solve(curves.CurveProblem(position=10.0))
     assert wo.derivatives(end, "position").derivatives == pytest.approx(1.0, rel=1e-12)
     x = curves.LIMIT - 1e-6  # sqrt(LIMIT - x): one step of 0.3 % downwards
@@ -138,9 +129,8 @@ def test_a_difference_is_one_sided_at_a_limit(registered: None) -> None:
 
 
 def test_a_derivative_without_a_solution_on_both_sides_is_an_error_or_nan(
-    registered: None,
+    curves: ModuleType,
 ) -> None:
-    curves = import_module("curve_problem")
     problem = curves.CurveProblem(position=2.0)
     model = model_of(problem.replace(shape="nowhere"), "height", None, {})
     height, names = [Observable("height")], ["position"]

@@ -376,6 +376,12 @@ def test_a_log_without_any_standard_error_says_so():
     assert any("wound_on_tension: no standard errors" in text for text in log.remarks())
 
 
+def test_numbers_without_a_unit_have_no_blank_in_its_place():
+    table = {"radius": [0.1, 0.2, 0.3, 0.4], "roll_friction": [0.2, 0.2, 0.3, 0.3]}
+    _, line = wo.read_log(table, WINDING, bins=2).answer()
+    assert line.startswith("roll_friction: 0.2 to 0.3; scatter of the rows ")
+
+
 def test_a_log_of_inputs_only_is_no_measured_table():
     log = wo.read_log({"radius": growing(99), "web_tension": tension(growing(99))}, WINDING)
     with pytest.raises(InvalidProblem, match="has web_tension only, which are inputs"):

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.stats import norm
+from study_models import BOARD
 
 import woundon as wo
 from woundon.cli.commands import main
@@ -416,27 +417,25 @@ def test_points_without_a_steady_state_are_not_mapped(tmp_path: Path):
     window.plot(tmp_path / "window.png")
 
 
-BOARD = wo.WindingProblem.example().replace(  # of 60 layers
-    stack=wo.Stack(radial=27e6, tangential=3.38e9, poissons_ratio=0.01, shear=10e6), radius=0.08,
-    tension_law="friction", limits=wo.Limits(blocking_pressure="200 kPa"),
-    **{"web.thickness": "500 um"},
-)  # fmt: skip
-
-
 @pytest.mark.slow
-def test_the_command_varies_any_field(tmp_path: Path, capsys):
+def test_the_command(tmp_path: Path, capsys):
+    """With two set points that have options of their own, and any other field as a third one."""
     case = tmp_path / "board.toml"
     case.write_text(to_toml(BOARD), encoding="utf-8")
     code = main([
-        "window", str(case), "--vary", "winding_force=-60:60", "--vary", "nip_load=1 kN/m:3 kN/m",
-        "--uncertain", "roll_friction=0.3", "--at", "0:2 kN/m", "--workers", "1",
-        "--samples", "128", "--csv", str(tmp_path / "w.csv"),
+        "window", str(case), "--web-tension", "200 N/m:400 N/m", "--nip-load", "1000:3000",
+        "--vary", "winding_force=-60:60", "--uncertain", "roll_friction=0.3",
+        "--at", "300:2 kN/m:0", "--workers", "1", "--samples", "128",
+        "--plot", str(tmp_path / "w.png"), "--csv", str(tmp_path / "w.csv"),
     ])  # fmt: skip
     text = capsys.readouterr().out
     assert code == 0
-    assert "at winding_force 0 N/m, nip_load 2000 N/m" in text
+    assert text.startswith("highest probability")
+    assert "at web_tension 300 N/m, nip_load 2000 N/m, winding_force 0 N/m" in text
+    assert "variance of blocking: roll_friction 100 %" in text
+    assert (tmp_path / "w.png").stat().st_size > 0
     header = (tmp_path / "w.csv").read_text("utf-8").splitlines()[0]
-    assert header.startswith("winding_force [N/m],nip_load [N/m],probability,binding,margins.")
+    assert header.startswith("web_tension [N/m],nip_load [N/m],winding_force [N/m],probability,")
     assert main(["window", str(case), "--vary", "nip_load=1:2", "--at", "1:2"]) == 2
 
 
@@ -450,22 +449,3 @@ def test_a_third_set_point_is_in_the_heading_of_the_figure():
     level = window.best.values["core.stiffness"]
     assert panel.heading == f"stiffness of the core (core) {1e-6 * level:.3g} MPa"
     assert window.probability.shape == (33, 33, 3)
-
-
-@pytest.mark.slow
-@pytest.mark.campaign
-def test_the_command(tmp_path: Path, capsys):
-    case = tmp_path / "case.toml"
-    case.write_text(to_toml(winding(radius=0.1)), encoding="utf-8")
-    code = main([
-        "window", str(case), "--web-tension", "200 N/m:400 N/m", "--nip-load", "1000:2500",
-        "--uncertain", "roll_friction=0.3", "--at", "300:2 kN/m", "--workers", "1",
-        "--plot", str(tmp_path / "w.png"), "--csv", str(tmp_path / "w.csv"),
-    ])  # fmt: skip
-    text = capsys.readouterr().out
-    assert code == 0
-    assert "highest probability" in text
-    assert "variance of strength: roll_friction 100 %" in text
-    assert (tmp_path / "w.png").stat().st_size > 0
-    header = (tmp_path / "w.csv").read_text("utf-8").splitlines()[0]
-    assert header.startswith("web_tension [N/m],nip_load [N/m],probability,binding,margins.")

@@ -104,9 +104,7 @@ STUDY = nip_study(EXAMPLE)
 
 def study(old: str, new: str) -> Any:
     """Prepare a study from a file with one text replaced by another."""
-    given = load_study(written(STUDY.replace(old, new), "study.toml"))
-    options = {"options": given.options, "tie": given.tie, **given.design}
-    return study_of(given.problem, given.over, given.outputs, **options)
+    return study_of(**load_study(written(STUDY.replace(old, new), "study.toml")).arguments)
 
 
 NAMES = {

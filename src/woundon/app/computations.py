@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from inspect import signature
 from math import isinf
 from typing import Any
 
 import numpy as np
 
 from .. import kinds
+from ..arguments import keywords_of
 from ..errors import InvalidProblem, did_you_mean, unwarned
 from ..io.case_files import check_like_a_case, make_problem
 from ..problems.bodies import Body
@@ -87,7 +87,7 @@ def warm_up() -> None:
     """
     began = time.perf_counter()
     for kind in kinds.every():
-        slow = "coupling_rtol" in signature(kind.solver).parameters  # iterates over nips and rolls
+        slow = "coupling_rtol" in keywords_of(kind.solver)  # iterates over nips and rolls
         if not slow and time.perf_counter() - began < WARM_UP:
             with suppress(InvalidProblem):
                 state_of(solved(kind.example(), {}))
@@ -144,7 +144,7 @@ def solved(
     """
     kind = kinds.of(problem)
     options = checked_options(kind, options)
-    if warm and "errors" in signature(kind.solver).parameters:
+    if warm and "errors" in keywords_of(kind.solver):
         options = WARM_OPTIONS | options
     model = KindModel(problem, outputs=(), options=options)
     with unwarned():
@@ -348,9 +348,14 @@ def find(
             ),
             "values": outcome.values,
             "outputs": outcome.outputs,
-            "failures": [{"value": value, "why": why} for value, why in outcome.failures],
+            "failures": _failures(outcome.failures),
         }
     )
+
+
+def _failures(reasons: Iterable[tuple[float, str]]) -> list[dict[str, Any]]:
+    """Return the values of a field that were not solved, which have a reason, for JSON."""
+    return [{"value": value, "why": reason} for value, reason in reasons if reason]
 
 
 # ---- around a state ---------------------------------------------------------------------------
@@ -379,11 +384,7 @@ def curve(tables: Mapping[str, Any], query: Mapping[str, Any], options: Mapping[
             "at": base,
             "values": values,
             "outputs": dict(zip(names, solved_cases.values.T, strict=True)),
-            "failures": [
-                {"value": value, "why": reason}
-                for value, reason in zip(values, solved_cases.failure, strict=True)
-                if reason
-            ],
+            "failures": _failures(zip(values, solved_cases.failure, strict=True)),
         }
     )
 

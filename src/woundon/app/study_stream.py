@@ -132,14 +132,7 @@ def start_sweep(tables: Mapping[str, Any]) -> Sweep:
     if not isinstance(study.over, Mapping) or not study.over:
         raise InvalidProblem.at("over", "nothing is varied; give fields and their values")
     _check_size(study.over, study.design)
-    model, cases = study_of(
-        study.problem,
-        study.over,
-        study.outputs,
-        tie=study.tie,
-        options=study.options,
-        **study.design,
-    )
+    model, cases = study_of(**study.arguments)
     first = _line(
         "started",
         cases=len(cases),
@@ -393,15 +386,11 @@ def window(request: Mapping[str, Any]) -> Lines:
 
 def map_window(request: Mapping[str, Any], journal: Journal) -> None:
     """Map an operating window; windings are solved in processes, for which this thread waits."""
+    given = {name: value for name, value in request.items() if name != "case"}
     with unwarned():
         result = operating_window(
             problem_of(request["case"]),
-            request["web_tension"],
-            request["nip_load"],
-            request["torque_split"],
-            rider_load=request["rider_load"],
-            vary=request["vary"],
-            uncertain=request["uncertain"],
+            **given,
             # at least two: a single one would solve in the server itself
             workers=max(2, min(usable_cores(), MOST_PROCESSES)),
             progress=journal.progress,

@@ -117,9 +117,7 @@ def _run(args: Sequence[str]) -> int:
         return _print_errors([_no_such_option(fault)], INVALID_INPUT)
     except click.ClickException as fault:
         return _print_errors([fault.format_message()], INVALID_INPUT)
-    except KeyboardInterrupt:
-        return _print_interruption()
-    except click.Abort as fault:
+    except (KeyboardInterrupt, click.Abort) as fault:
         return _print_interruption(str(fault))
     except RuntimeError as fault:
         # Python 3.11 raises it for Ctrl-C while a class is defined, as during an import

@@ -167,7 +167,7 @@ def _option_rows(kind: Kind[Any, Any]) -> Iterator[Row]:
     for name, option in kind.solver_options().items():
         kind_of_value = "|".join(option.choices) or option.type.__name__
         text = f"{option.help} {option.details}".strip()
-        yield f"--{name.replace('_', '-')}", "", kind_of_value, text
+        yield options.option_name(name), "", kind_of_value, text
 
 
 @options.command("List the named materials with their values and sources.")

@@ -54,6 +54,7 @@ __all__ = [
     "command",
     "console",
     "load_case",
+    "option_name",
     "present",
     "print_failures",
     "print_written",
@@ -229,6 +230,11 @@ def command(text: str, cls: type[click.Command] = click.Command) -> Callable[...
     first_sentence, *_ = re.split(r"\.(?=\s|$)", cleandoc(text), maxsplit=1)
     summary = " ".join(first_sentence.split())
     return click.command(cls=cls, help=text, short_help=f"{summary}.")
+
+
+def option_name(name: str) -> str:
+    """Return the option for the name of an argument or field: --roll-wrap of roll_wrap."""
+    return f"--{name.replace('_', '-')}"
 
 
 def as_mapping(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -92,11 +91,6 @@ def solve(
 # ---- options ------------------------------------------------------------------------------------
 
 
-def _option_name(name: str) -> str:
-    """Return the option of the command for the name of an argument or field."""
-    return f"--{name.replace('_', '-')}"
-
-
 def _solver_options() -> Iterator[click.Option]:
     """Yield an option for each keyword-only argument of the solvers."""
     from ..kinds import every
@@ -113,7 +107,7 @@ def _solver_options() -> Iterator[click.Option]:
         if len(owners) < len(every()):
             text += f" Only for {one_of((kind.name for kind in owners), 'and')}."
         value_type = click.Choice(option.choices) if option.choices else option.type
-        yield click.Option([_option_name(name)], type=value_type, help=text.strip())
+        yield click.Option([options.option_name(name)], type=value_type, help=text.strip())
 
 
 def _wrap_fields() -> dict[str, FieldInfo]:
@@ -133,7 +127,7 @@ def _wrap_options() -> Iterator[click.Option]:
     from ..io.case_texts import field_comment
 
     for name, field in _wrap_fields().items():
-        yield click.Option([_option_name(name)], metavar="VALUE", help=field_comment(field))
+        yield click.Option([options.option_name(name)], metavar="VALUE", help=field_comment(field))
 
 
 def _check_options(kind: Kind[Any, Any], given: Iterable[str], sensitivity: bool) -> None:
@@ -145,9 +139,9 @@ def _check_options(kind: Kind[Any, Any], given: Iterable[str], sensitivity: bool
 
     known = kind.solver_options()
     text = f"not an option of the kind {kind.name!r}, which has " + (
-        one_of(map(_option_name, known), "and") or "none"
+        one_of(map(options.option_name, known), "and") or "none"
     )
-    faults = [(_option_name(name), text) for name in given if name not in known]
+    faults = [(options.option_name(name), text) for name in given if name not in known]
     if sensitivity and not hasattr(kind.result, "sensitivity"):
         others = one_of((k.name for k in every() if hasattr(k.result, "sensitivity")), "and")
         text = f"not available for the kind {kind.name!r}, but for {others}"
@@ -162,8 +156,9 @@ def _check_options(kind: Kind[Any, Any], given: Iterable[str], sensitivity: bool
 def _solve(problem: Problem, arguments: Mapping[str, Any]) -> Any:
     """Solve, with a progress bar on a terminal if the solver reports its progress."""
     from .. import kinds
+    from ..arguments import keywords_of
 
-    reports = "progress" in inspect.signature(kinds.of(problem).solver).parameters
+    reports = "progress" in keywords_of(kinds.of(problem).solver)
     with unwarned():  # the report contains the warnings
         if not (reports and sys.stderr.isatty()):
             return kinds.solve(problem, **arguments)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -64,7 +63,6 @@ __all__ = ["stack"]
 @options.PLOT
 def stack(
     test: Path,
-    columns: Mapping[str, str | None],
     as_json: bool,
     save: Path | None,
     plot: Path | None,
@@ -74,6 +72,6 @@ def stack(
     from ..studies.export import write_table
     from ..studies.stack_fit import fit_stack
 
-    found = fit_stack(test, columns=columns, **arguments)
+    found = fit_stack(test, **arguments)
     files: options.Files = {save: partial(write_table, found.to_dataframe()), plot: found.plot}
     options.present(found, as_json, files, [*found.lines(), "", *found.toml().splitlines()])

@@ -88,15 +88,7 @@ def sweep(
     for target in targets:
         check_export(target)
     start = time.perf_counter()
-    model, cases = study_of(
-        loaded.problem,
-        loaded.over,
-        loaded.outputs,
-        columns=loaded.columns,
-        tie=loaded.tie,
-        **loaded.design,
-        options=loaded.options,
-    )
+    model, cases = study_of(**loaded.arguments)
     with options.resumable(out), unwarned():
         solvers = Workers(workers, scheduler)
         table = run_study(model, cases, solvers, out=out, progress=True, **arguments)

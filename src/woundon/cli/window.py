@@ -113,13 +113,12 @@ def window(
         if len(point) != len(axes):
             raise click.UsageError(f"--at needs {len(axes)} values: {' and '.join(axes)}")
 
-    def draw(result: OperatingWindow) -> None:
-        if plot:
-            result.plot(plot)
-
     with options.resumable(arguments["out"]), unwarned():
         result = operating_window(
-            options.load_case(case, settings), progress=not as_json, preview=draw, **arguments
+            options.load_case(case, settings),
+            progress=not as_json,
+            preview=lambda coarse: options.write({plot: coarse.plot}),
+            **arguments,
         )
         files: options.Files = {
             csv: lambda path: write_whole(path, _csv_text(result).encode()),

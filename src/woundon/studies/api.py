@@ -297,4 +297,4 @@ def global_sensitivity(
     table = run_study(
         model, cases, Workers(workers, scheduler), out=out, resume=resume, progress=progress
     )
-    return sobol_indices_of(table, samples, seed)
+    return sobol_indices_of(table, seed)

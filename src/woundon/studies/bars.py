@@ -98,7 +98,7 @@ def bar(label: str, unit: str = "", done: int = 0) -> Iterator[Callable[[float, 
 
 
 @contextmanager
-def fraction_bar(label: str = "solving") -> Iterator[Callable[[float], None]]:
+def fraction_bar() -> Iterator[Callable[[float], None]]:
     """Provide a function that shows a fraction on a progress bar."""
-    with bar(label) as report:
+    with bar("solving") as report:
         yield lambda fraction: report(fraction, 1.0)

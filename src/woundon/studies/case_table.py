@@ -431,14 +431,9 @@ def _without_gaps(problem: Problem, cells: Mapping[str, list[Any]]) -> dict[str,
 
 def _reason_text(reason: str) -> str:
     """Return the reason of a failure without the name of the exception."""
-    for name, text in (
-        ("InvalidProblem: ", ""),
-        ("NoSteadyState: ", ""),
-        ("NotConverged: ", "not converged: "),
-    ):
-        if reason.startswith(name):
-            return text + reason.removeprefix(name)
-    return reason
+    words = {"InvalidProblem": "", "NoSteadyState": "", "NotConverged": "not converged: "}
+    name, separator, text = reason.partition(": ")
+    return f"{words[name]}{text}" if separator and name in words else reason
 
 
 def _default_outputs(problem: Problem) -> tuple[str, ...]:

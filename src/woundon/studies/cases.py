@@ -34,10 +34,10 @@ __all__ = [
     "Chunk",
     "Solved",
     "as_labels",
+    "cases_in_ranges",
     "check_number",
     "is_numeric",
     "make_cases",
-    "scaled_to_range",
     "table_of_cases",
 ]
 
@@ -232,12 +232,7 @@ def make_cases(
         return _grid(over)
     if design == "table":
         return table_of_cases(over)
-    points = _draw_points(design, len(over), samples, seed)
-    columns = {
-        name: scaled_to_range(name, ends, points[:, k])
-        for k, (name, ends) in enumerate(over.items())
-    }
-    return Cases(_frame(columns), design)
+    return cases_in_ranges(over, _draw_points(design, len(over), samples, seed), design)
 
 
 def table_of_cases(over: Mapping[str, Any]) -> Cases:
@@ -304,7 +299,21 @@ def _frame(columns: Mapping[str, Array]) -> pd.DataFrame:
     return pd.DataFrame({name: pd.Series(v, dtype=v.dtype) for name, v in columns.items()})
 
 
-def scaled_to_range(name: str, ends: Any, fractions: Array) -> Array:
+def cases_in_ranges(ranges: Mapping[str, Any], points: Array, design: str = "table") -> Cases:
+    """Return cases at points of the unit cube, (cases, inputs), mapped onto the ranges of inputs.
+
+    >>> cases = cases_in_ranges({"load": (1.0, 3.0)}, np.array([[0.0], [0.5]]))
+    >>> cases.frame["load"].tolist()
+    [1.0, 2.0]
+    """
+    columns = {
+        name: _scaled_to_range(name, ends, fractions)
+        for (name, ends), fractions in zip(ranges.items(), points.T, strict=True)
+    }
+    return Cases(_frame(columns), design)
+
+
+def _scaled_to_range(name: str, ends: Any, fractions: Array) -> Array:
     """Map fractions in [0, 1] onto the range of a drawn input.
 
     Parameters
@@ -322,7 +331,7 @@ def scaled_to_range(name: str, ends: Any, fractions: Array) -> Array:
 
     Examples
     --------
-    >>> scaled_to_range("load", (1.0, 100.0, "log"), np.array([0.0, 0.5]))
+    >>> _scaled_to_range("load", (1.0, 100.0, "log"), np.array([0.0, 0.5]))
     array([ 1., 10.])
     """
     parts = list(ends) if isinstance(ends, (list, tuple, np.ndarray)) else []

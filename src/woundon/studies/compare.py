@@ -35,7 +35,7 @@ from .model import KindModel, model_of, solver_options
 from .predict import Case, cases_of
 from .progress import Progress, progress_reporter
 from .pull_tab import PullTab
-from .slopes import slopes, solve_case
+from .slopes import solve_case
 from .winder_log import WinderLog
 
 __all__ = ["compare"]
@@ -212,12 +212,10 @@ def _predictions(
                 known.append((k, observable))
         if known:
             rows, observables = map(list, zip(*known, strict=True))
-            solved.append(SolvedCase(Case(case.inputs, rows, observables), result))
+            predicted_case = Case(case.inputs, rows, observables)
+            solved.append(SolvedCase(predicted_case, result))
             if names:
-                derivatives = slopes(
-                    model, result, observables, names, case.inputs, nan_if_unsolved=True
-                )
-                effects[rows] = derivatives * sizes
+                effects[rows] = predicted_case.slopes(model, result, names) * sizes
     if not solved:
         reason = next((failure for failure in failures if failure), "the predictions are nan")
         text = f"no row of the table has a prediction; the first reason: {reason}"

@@ -15,7 +15,6 @@ The data alone do not decide between them, and the cause may be another one.
 
 from __future__ import annotations
 
-import re
 import tomllib
 from collections.abc import Collection, Iterator, Sequence
 from functools import cache, cached_property
@@ -26,15 +25,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
-from ..problems.paths import get_field, parts_of
+from ..problems.paths import get_field, is_part_of, parts_of
 from ..problems.problem import Problem
-from ..quantities import length, pure, walk
+from ..quantities import pure, walk
 from ..results import Result
 from .compare_result import Comparison, Explanation
-from .measurements import PRESSURE, TAB, TAB_FORCE, predict
+from .measurements import PRESSURE, RADIUS, TAB, TAB_FORCE, predict
 from .model import KindModel
 from .predict import Case
-from .slopes import on_mesh_of, slopes, solve_case
+from .slopes import on_mesh_of, solve_case
 
 __all__ = ["InputEffects", "SolvedCase", "explain"]
 
@@ -49,7 +48,6 @@ CONSTANT = 0.1  # relative scatter of a constant ratio
 SMALLEST_CHANGE, LARGEST_CHANGE = -0.5, 1.0  # of an input, relative: a factor of two
 # share of the change of a prediction by its derivative, below which the effect saturates
 SMALLEST_SHARE = 0.5
-RADIUS = length("r", "radius of the measurement")
 
 
 class SolvedCase(NamedTuple):
@@ -84,14 +82,13 @@ class InputEffects:
         self, model: KindModel, measured: Collection[str], size: int, solved: Sequence[SolvedCase]
     ) -> None:
         self.model, self.size, self.solved = model, size, solved
-        fixed = "|".join(re.escape(name) for name in (*measured, *model.tie))
-        # radii; measured and tied fields with their parts; (?!) matches nothing
-        left_out = re.compile(rf"(.*radius|({fixed or '(?!)'})(\..*)?)")
+        left_out = (*measured, *model.tie)
         self.quantities = {
             place.path: place.quantity
             for place in walk(model.problem)
             if isinstance(place.value, float) and place.value and place.quantity is not None
-            if not left_out.fullmatch(place.path)
+            if not place.path.endswith("radius")
+            if not any(is_part_of(place.path, name) for name in left_out)
         }
 
     @cached_property
@@ -101,10 +98,7 @@ class InputEffects:
         values = np.array([get_field(self.model.problem, name) for name in names])
         changes = np.full((self.size, len(names)), nan)
         for case, result in self.solved:
-            columns = slopes(
-                self.model, result, case.observables, names, case.inputs, nan_if_unsolved=True
-            )
-            changes[case.rows] = columns * values
+            changes[case.rows] = case.slopes(self.model, result, names) * values
         return dict(zip(names, changes.T, strict=True))
 
     def causes(self, rows: Array, weights: Array, residual: Array) -> list[str]:

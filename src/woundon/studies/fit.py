@@ -241,7 +241,7 @@ def fit_parameters(
     starts: int | None,
     seed: int,
     profiles: Collection[str],
-    workers: Workers = Workers(1),  # noqa: B008
+    workers: Workers,
     progress: Progress = lambda done, expected: None,
 ) -> FitResult:
     """Fit the predictor's parameters; the result has no problem and no quantities.

@@ -18,7 +18,7 @@ from ..errors import InvalidProblem, NotConverged
 from .measurements import Observations
 from .model import KindModel
 from .predict import cases_of
-from .slopes import slopes, solve_case
+from .slopes import solve_case
 
 __all__ = ["with_input_scatter"]
 
@@ -43,9 +43,7 @@ def with_input_scatter(model: KindModel, data: Observations) -> Observations:
     for case in cases_of(data.inputs_of_values, data.observables):
         try:
             start = result = solve_case(model, case.inputs, start)
-            derivatives = slopes(
-                model, result, case.observables, names, case.inputs, nan_if_unsolved=True
-            )
+            derivatives = case.slopes(model, result, names)
         except (InvalidProblem, NotConverged):  # reported where the value is predicted
             continue
         effects = np.nan_to_num(derivatives) * scatter[case.rows]

@@ -29,6 +29,7 @@ from .model import kind_of
 from .pull_tab import PullTab
 
 __all__ = [
+    "RADIUS",
     "Observable",
     "Observations",
     "arrays_over_radius",
@@ -44,6 +45,7 @@ Array = np.ndarray
 
 # Column -> its factor to a radius; ``radius`` is a field of the problem, that of the whole roll.
 MEASURED_POSITIONS = {name: factor for name, factor in POSITIONS.items() if name != "radius"}
+RADIUS = length("r", "where it was measured")
 FORCE = Quantity("F_t", "N", "force that moves a pull tab")
 TAB = "pull tab"  # name of the uncertainty of its calibration
 TAB_FORCE, PRESSURE, LENGTH = "pull_tab_force", "pressure", "wound_length"
@@ -197,8 +199,7 @@ def measured_columns(problem: Problem, over_radius: bool = True) -> dict[str, Qu
     arrays = arrays_over_radius(result, columns_of(problem)) if over_radius else {}
     known = {**arrays, **measurable_outputs(problem)}
     if arrays:
-        positions = dict.fromkeys(MEASURED_POSITIONS, length("r", "where it was measured"))
-        known |= {**positions, TAB_FORCE: FORCE}
+        known |= {**dict.fromkeys(MEASURED_POSITIONS, RADIUS), TAB_FORCE: FORCE}
     return known
 
 

@@ -7,17 +7,15 @@ up in :mod:`woundon.kinds`, fields and outputs in :mod:`woundon.quantities`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cache
-from inspect import signature
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 from .. import __version__, kinds
-from ..arguments import check_arguments, check_type
+from ..arguments import check_arguments, check_type, keywords_of
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..parallel import progress
 from ..problems.paths import field_quantity, get_field, is_part_of
@@ -219,13 +217,17 @@ class KindModel:
 
     def _has_effect(self, name: str, unused: Sequence[str]) -> bool:
         """Return whether a field, or one that follows it, is not among the unused ones."""
-        names = [name]
-        for follower, leader in self.tie.items():
-            if is_part_of(name, leader):  # the same part of a body that follows
-                names.append(follower + name.removeprefix(leader))
-            elif is_part_of(leader, name):
-                names.append(follower)
+        in_parts = [f for f, leader in self.tie.items() if is_part_of(leader, name)]
+        names = [name, *self.followers(name), *in_parts]
         return any(not any(is_part_of(each, part) for part in unused) for each in names)
+
+    def followers(self, name: str) -> list[str]:
+        """Return the fields that follow a field: of one in a body, the same in each tied body."""
+        return [
+            follower + name.removeprefix(leader)
+            for follower, leader in self.tie.items()
+            if is_part_of(name, leader)
+        ]
 
     def without_estimates(self) -> KindModel:
         """Return the model that omits error estimates if no output is one and none are asked for.
@@ -247,6 +249,15 @@ class KindModel:
         """Return the problem of one case."""
         return self.with_ties(self.problem.replace(**inputs))
 
+    def admits(self, inputs: Mapping[str, Any]) -> bool:
+        """Return True if the problem of a case is valid."""
+        try:
+            with unwarned():
+                self.variant(inputs)
+        except InvalidProblem:
+            return False
+        return True
+
     def with_ties(self, problem: ProblemT) -> ProblemT:
         """Return a problem whose tied fields have the values of the fields that they follow."""
         if not self.tie:
@@ -261,7 +272,7 @@ class KindModel:
         In a worker process the solver is cancelled at its next report of progress, if requested.
         """
         kind, options = self.kind, dict(self.options)
-        known = _keywords(kind.solver)
+        known = keywords_of(kind.solver)
         if "progress" in known:
             options["progress"] = progress
         if isinstance(start, kind.result) and "start" in known:
@@ -361,13 +372,6 @@ def kind_of(problem: Any) -> kinds.Kind:
     return kind
 
 
-@cache
-def _keywords(solver: Callable[..., Any]) -> Mapping[str, Any]:
-    """Return the keyword arguments of a solver with their defaults."""
-    parameters = signature(solver).parameters.values()
-    return {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
-
-
 def options_of(problem: Problem) -> dict[str, Any]:
     """Return the options of the solver of a problem with their defaults.
 
@@ -376,7 +380,7 @@ def options_of(problem: Problem) -> dict[str, Any]:
     True
     """
     excluded = {"start", "progress", *type(problem).model_fields}
-    keywords = _keywords(kind_of(problem).solver)
+    keywords = keywords_of(kind_of(problem).solver)
     return {name: default for name, default in keywords.items() if name not in excluded}
 
 

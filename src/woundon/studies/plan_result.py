@@ -104,12 +104,11 @@ class NextExperiment(Outcome):
     def answer(self) -> list[str]:
         """Return the next measurement, and the expected standard errors of each step."""
         quantity = self.quantities[self.output]
-        unit = f" {quantity.display}" if quantity.display else ""
         texts = [f"next measurement: {self.best.name} (cost {self.best.cost:g})"]
         for k, step in enumerate(("now", *(m.name for m in self.measurements))):
             errors = zip(self.names, self.standard_errors[k], strict=True)
             parts = [f"{name} {percent(error)}" for name, error in errors]
-            parts.append(f"{self.output} {quantity.shown(self.output_errors[k]):.3g}{unit}")
+            parts.append(f"{self.output} {quantity.text(self.output_errors[k], '.3g')}")
             texts.append(f"{'' if k == 0 else f'{k}. after '}{step}: {', '.join(parts)}")
         return texts
 

@@ -23,11 +23,11 @@ from ..problems.messages import quote
 from ..problems.paths import find_places, get_field, number_in_si
 from ..problems.problem import Problem
 from ..problems.units import parse
-from ..quantities import Quantity, length
+from ..quantities import Quantity
 from ..results import Result
 from .columns import columns_of, measurable_outputs
 from .measured import MEASURED_AS
-from .measurements import PRESSURE, Observable, arrays_over_radius, read_deviation
+from .measurements import PRESSURE, RADIUS, Observable, arrays_over_radius, read_deviation
 from .model import KindModel, kind_of, model_of
 from .predict import Case, cases_of
 from .slopes import slopes, solve_case
@@ -35,7 +35,6 @@ from .slopes import slopes, solve_case
 __all__ = ["Measurement", "PlannedMeasurement", "SolvedStates", "plan_measurement"]
 
 Array = np.ndarray
-RADIUS = length("r", "position in a roll")
 PULL_TAB = "pull_tab_pressure"
 SolvedStates = dict[Any, Result]  # by problem and values of its varied fields
 

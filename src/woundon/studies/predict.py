@@ -105,6 +105,10 @@ class Case(NamedTuple):
         """Return the predictions of a result of the case, (rows,)."""
         return np.array([predict(result, observable) for observable in self.observables])
 
+    def slopes(self, model: KindModel, result: Result, names: Sequence[str]) -> Array:
+        """Return the derivatives of the predictions, (rows, fields) [SI]; nan if not solved."""
+        return slopes(model, result, self.observables, names, self.inputs, nan_if_unsolved=True)
+
 
 def cases_of(inputs: Mapping[str, Array], observables: Sequence[Observable]) -> list[Case]:
     """Return the distinct cases of some values, sorted by their inputs.

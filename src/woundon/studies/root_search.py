@@ -33,7 +33,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import InvalidProblem, NotConverged, unwarned
+from ..errors import InvalidProblem, NotConverged
 from .model import KindModel
 from .slopes import on_mesh_of
 
@@ -313,24 +313,15 @@ class RootSearch:
 
     def _last_valid(self, solved: float, failed: float) -> float:
         """Return the valid value next to the limit of validity, without solving any problem."""
-        if self._is_valid(failed):
+        if self.model.admits({self.name: failed}):
             return failed
         for _ in range(VALIDITY_BISECTIONS):
             middle = self.interval.middle(solved, failed)
-            if self._is_valid(middle):
+            if self.model.admits({self.name: middle}):
                 solved = middle
             else:
                 failed = middle
         return solved
-
-    def _is_valid(self, value: float) -> bool:
-        """Return True if the field admits a value together with the other fields."""
-        try:
-            with unwarned():
-                self.model.variant({self.name: value})
-        except InvalidProblem:
-            return False
-        return True
 
     def _next_to(self, solved: Sample, failed: Sample) -> Sample | None:
         """Return the solved neighbour on the other side of a sample."""

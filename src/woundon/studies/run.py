@@ -51,6 +51,7 @@ Answer = TypeVar("Answer")
 WORTH_PROCESSES = 3.0  # seconds of remaining work; starting the processes takes about one
 MOST_PROCESSES = 10_000
 CONNECTING = 10.0  # seconds until a scheduler is out of reach
+MOST_REASONS = 5  # of failures that are named
 QUEUED = 4  # items sent to a worker of a cluster at a time, so that it never waits
 FINISHING = "finishing the chunks under way; press Ctrl-C again to stop at once"
 DIED = "the worker process died while it solved this chunk, twice"
@@ -456,7 +457,7 @@ class Table(Presented):
         return self._figure(output, path)
 
 
-def failures(reasons: Array, limit: int = 5) -> list[tuple[str, int]]:
+def failures(reasons: Array) -> list[tuple[str, int]]:
     """Return the most frequent reasons of failure with their counts, ignoring numbers in them.
 
     >>> failures(np.array(["load 1 N", "load 2 N", ""], dtype=object))
@@ -466,4 +467,4 @@ def failures(reasons: Array, limit: int = 5) -> list[tuple[str, int]]:
     for reason in reasons[reasons != ""]:
         kinds.setdefault(re.sub(r"[-+]?\d[\d.eE+-]*", "#", reason), []).append(reason)
     ranked = sorted(kinds.values(), key=len, reverse=True)
-    return [(group[0], len(group)) for group in ranked[:limit]]
+    return [(group[0], len(group)) for group in ranked[:MOST_REASONS]]

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, unwarned
-from ..problems.paths import get_field, is_part_of, varied_number
+from ..problems.paths import get_field, varied_number
 from ..problems.problem import Problem
 from ..results import Result
 from ..sensitivity import Sensitivity
@@ -136,15 +136,7 @@ def _exact_slopes(
     """
     if not hasattr(result, "sensitivity") or any(isfinite(o.radius) for o in observables):
         return None
-    # tied fields; of a field in a body that others follow, the same field in each of these
-    followers = {
-        name: [
-            path + name.removeprefix(leader)
-            for path, leader in model.tie.items()
-            if is_part_of(name, leader)
-        ]
-        for name in names
-    }
+    followers = {name: model.followers(name) for name in names}
     paths = dict.fromkeys(path for name in names for path in (name, *followers[name]))
     outputs = tuple(dict.fromkeys(observable.output for observable in observables))
     try:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arguments import check_arguments, whole_number
 from ..errors import InvalidProblem
-from .cases import MOST_CASES, Cases, check_number, scaled_to_range, table_of_cases
+from .cases import MOST_CASES, Cases, cases_in_ranges, check_number
 from .outcome import Outcome
 from .run import Table, failures
 
@@ -208,15 +208,10 @@ def saltelli_cases(ranges: Mapping[str, Any], samples: int, seed: int) -> Cases:
     A, B = unit[:, :d], unit[:, d:]
     mixed = [np.where(np.arange(d) == k, B, A) for k in range(d)]
     # sobol_indices_of relies on this order
-    points = np.concatenate([A, B, *mixed])
-    columns = {
-        name: scaled_to_range(name, ends, points[:, k])
-        for k, (name, ends) in enumerate(ranges.items())
-    }
-    return table_of_cases(columns)
+    return cases_in_ranges(ranges, np.concatenate([A, B, *mixed]))
 
 
-def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
+def sobol_indices_of(table: Table, seed: int) -> SobolIndices:
     """Return the indices from the solved cases of :func:`saltelli_cases`.
 
     Raises
@@ -232,31 +227,28 @@ def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
             f"{len(table.cases)} failed, {count} like this: {reason}",
         )
     inputs, outputs = table.cases.names, tuple(table.outputs)
-    values = np.stack(list(table.outputs.values())).reshape(len(outputs), len(inputs) + 2, samples)
-    first, total = _indices(values, samples)
+    values = np.stack(list(table.outputs.values())).reshape(len(outputs), len(inputs) + 2, -1)
+    first, total = _indices(values)
+    samples = values.shape[-1]
     rng = np.random.default_rng(seed)
-    draws = [
-        _indices(values[:, :, rng.integers(samples, size=samples)], samples)
-        for _ in range(RESAMPLES)
-    ]
+    draws = [_indices(values[:, :, rng.integers(samples, size=samples)]) for _ in range(RESAMPLES)]
     ends = np.quantile(np.array(draws), [0.025, 0.975], axis=0)  # (end, order, output, input)
     return SobolIndices(inputs, outputs, first, total, ends[:, 0], ends[:, 1], table)
 
 
-def _indices(values: Array, samples: int) -> tuple[Array, Array]:
+def _indices(values: Array) -> tuple[Array, Array]:
     """Return first-order and total-order indices, (outputs, inputs) arrays.
 
     Parameters
     ----------
     values : (outputs, 2 + inputs, samples) array
         At A, at B, and at A with one column of B for each input.
-    samples : int
     """
     from scipy.stats import sobol_indices
 
     # SciPy expects (1, samples) for A and B, and (inputs, 1, samples) for the mixed cases
     results: Sequence[Any] = [
-        sobol_indices(func={"f_A": v[:1], "f_B": v[1:2], "f_AB": v[2:, None, :]}, n=samples)
+        sobol_indices(func={"f_A": v[:1], "f_B": v[1:2], "f_AB": v[2:, None, :]}, n=v.shape[-1])
         for v in values
     ]
     return (

@@ -498,6 +498,6 @@ def _quantity(law: SolidLaw, name: str) -> Quantity:
 
 def _in_words(name: str, quantity: Quantity, value: float, error: float) -> str:
     """Return a parameter with its standard error and unit: "K1 = 10.2 ± 0.1 kPa"."""
-    unit = "" if quantity.display in ("", "1") else f" {quantity.display}"
-    text = f"{name} = {quantity.shown(value):.5g}"
-    return f"{text} ± {quantity.shown(error):.2g}{unit}" if isfinite(error) else text + unit
+    if not isfinite(error):
+        return f"{name} = {quantity.text(value, '.5g')}"
+    return f"{name} = {quantity.shown(value):.5g} ± {quantity.text(error, '.2g')}"

@@ -61,6 +61,12 @@ class StudyFile:
     design: Mapping[str, Any] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """Keywords of :func:`~woundon.studies.api.study_of`."""
+        others = {name: value for name, value in vars(self).items() if name != "design"}
+        return {**others, **self.design}
+
 
 def load_study(path: str | Path, *, ranges: bool = False) -> StudyFile:
     """Return the study that a file describes.

@@ -8,12 +8,11 @@ from itertools import product
 from textwrap import fill
 
 from .. import kinds
-from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA, to_toml, toml_value
 from ..problems.paths import field_quantity
 from ..problems.problem import Problem
 from ..quantities import scalar_outputs
-from .model import options_of
+from .model import KindModel, options_of
 
 __all__ = ["study_template"]
 
@@ -102,9 +101,5 @@ def _varied_fields(problem: Problem) -> Iterator[tuple[str, str]]:
 
 def _is_admissible(problem: Problem, values: dict[str, tuple[float, float]]) -> bool:
     """Return True if the problem is valid at all corners of the ranges."""
-    try:
-        for corner in product(*values.values()):
-            problem.replace(**dict(zip(values, corner, strict=True)))
-    except InvalidProblem:
-        return False
-    return True
+    model, corners = KindModel(problem, outputs=()), product(*values.values())
+    return all(model.admits(dict(zip(values, corner, strict=True))) for corner in corners)

@@ -226,12 +226,10 @@ class WinderLog(Outcome):
         for k, name in enumerate(self.bins.names):
             quantity = self.quantities[name]
             low, high = np.nanmin(self.bins.mean[k]), np.nanmax(self.bins.mean[k])
-            scatter, error = (_rms(each) for each in (self.bins.scatter[k], self.bins.error[k]))
-            unit = f" {quantity.display}".removesuffix(" 1")
-            shown = [f"{quantity.shown(value):.4g}" for value in (low, high, scatter, error)]
+            scatter, error = _rms(self.bins.scatter[k]), _rms(self.bins.error[k])
             lines.append(
-                f"{name}: {shown[0]} to {shown[1]}{unit}; scatter of the rows {shown[2]}{unit}, "
-                f"standard error of a mean {shown[3]}{unit}"
+                f"{name}: {quantity.shown(low):.4g} to {quantity.text(high)}; scatter of the rows "
+                f"{quantity.text(scatter)}, standard error of a mean {quantity.text(error)}"
             )
         return lines
 

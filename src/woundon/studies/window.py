@@ -28,6 +28,7 @@ from ..errors import InvalidProblem, NotConverged
 from ..problems.grades import Grade
 from ..problems.problem import Problem
 from ..problems.winding import SCHEDULES, WindingProblem
+from .model import quantities_of
 from .progress import Progress, progress_reporter
 from .run import Workers
 from .window_cases import (
@@ -405,10 +406,9 @@ class _Study:
         if not is_steady.any():
             raise NotConverged("no steady state exists at any point of the map")
         deviations = self._deviations(mapped, checks)
-        model, names = self.model, (*self.set_points.names, *self.solver.spreads)
-        varied = {name: model.quantity(name) for name in names}
+        varied = (*self.set_points.names, *self.solver.spreads)
         return OperatingWindow(
-            problem=model.problem,
+            problem=self.model.problem,
             names=self.set_points.names,
             ranges=self.set_points.ranges,
             margins=tuple(self.margins[self.is_checked].tolist()),
@@ -426,9 +426,9 @@ class _Study:
             **deviations,
             windings=sum(len(part.x) for part in self.with_nips),
             is_coarse=drawn is None,
-            quantities={name: q for name, q in varied.items() if q is not None},
+            quantities=quantities_of(self.model, varied),
             map=mapped,
-            model=model.with_margins(self.margins[self.is_checked].tolist()),
+            model=self.model.with_margins(self.margins[self.is_checked].tolist()),
         )
 
     def _margin_map(
@@ -506,13 +506,9 @@ class _Study:
 
         It is not valid where the drum slides under the loads.
         """
-        is_admissible = np.ones(len(x), dtype=bool)
-        for k, point in enumerate(self.set_points.values(x).tolist()):
-            try:
-                self.model.variant(dict(zip(self.set_points.names, point, strict=True)))
-            except InvalidProblem:
-                is_admissible[k] = False
-        return is_admissible
+        names, points = self.set_points.names, self.set_points.values(x).tolist()
+        admitted = [self.model.admits(dict(zip(names, point, strict=True))) for point in points]
+        return np.array(admitted, dtype=bool)
 
     def _failures(self, *others: Windings) -> dict[Case, str]:
         """Return why windings failed, by (x, z): those with nips, and others."""
