@@ -213,7 +213,7 @@ class SemismoothNewton:
         should, the iteration has stalled, and the system is factorised with a new Jacobian.  The
         size is 0 if rounding prevents a smaller step even then.
         """
-        residual = np.append(state.equilibrium, friction_residual(state, active))
+        residual = np.concatenate([state.equilibrium, friction_residual(state, active)])
         if not np.isfinite(residual).all():
             raise NewtonFailed("the residual is not finite")
         linear, last_size, was_current = self.linear, self.step_size, self.jacobian_is_current
