@@ -597,32 +597,26 @@ class Assembly:
         v+ = eps - eps+ - (eps - eps+)(end) and v- = eps - eps- + xi in the cell upstream of each
         node, where the strain of the web is eps = c11 (T - T(end))/2h - c12 p+.
         """
-        layout, mesh, web = self.layout, self.mesh, self.problem.web
+        layout, mesh, web, first = self.layout, self.mesh, self.problem.web, self.layout.first
         c12 = web.compliance.c12
-        # the strain of the web in all cells: tension, and pressure in the cells of the roll's face
+        n, m = layout.roll_count, layout.traction_count - layout.roll_count
+        # c11 (T - T(end))/2h in all cells
         stretch = mesh.integral_to_points - mesh.weights
         stretch *= self.a * web.compliance.c11 / web.thickness
-        web_strain = np.zeros((mesh.cells.size, layout.size))
-        fraction = mesh.fraction[layout.first :, None]
-        web_strain[layout.first :] = (c12 * (fraction - 1)) * self.dp_roll[:-1] - (
-            c12 * fraction
-        ) * self.dp_roll[1:]
-        web_strain[:, layout.roll_q] += stretch[:, layout.roll_nodes]
-        web_strain[:, layout.drum_q] += stretch[:, layout.drum_nodes]
-        n, m = layout.roll_count, layout.traction_count - layout.roll_count
-        strain_p, strain_q = self.roll.strain_p[:n], self.roll.strain_q[:n]
+        # eps - eps+ at the points of the roll's face by its own loads
+        by_p = -c12 * self.fields.geometry.roll.face.hats - self.roll.strain_p
+        by_q = -self.roll.strain_q
         if self.equations.is_last:
-            # strains are relative to the end, where that of the web is -c12 p+
-            strain_p, strain_q = (
-                strain_p - self.roll.strain_p[-1],
-                strain_q - self.roll.strain_q[-1],
-            )
-        roll = web_strain[layout.first : layout.first + n] - self.chain_p_roll(strain_p)
-        if self.equations.is_last:
-            roll += c12 * self.dp_roll[-1]
-        roll[:, layout.roll_q] -= strain_q[:, 1:-1]
-        drum = web_strain[:m].copy()
+            by_p, by_q = by_p - by_p[-1], by_q - by_q[-1]
+        roll, drum = self.by_loads_on_roll(by_p[:n], by_q[:n]), np.zeros((m, layout.size))
+        # p+ strains the web in the cells of the nip
+        fraction = mesh.fraction[first:m, None]
+        drum[first:] = c12 * (fraction - 1) * self.dp_roll[: m - first]
+        drum[first:] -= c12 * fraction * self.dp_roll[1 : m - first + 1]
         drum[:, layout.drum_p] -= self.drum.strain_p[:m, layout.drum_p_nodes]
         drum[:, layout.drum_q] -= self.drum.strain_q[:m, 1:-1]
         drum[:, layout.xi] = 1.0
+        for block, cells in ((roll, slice(first, first + n)), (drum, slice(0, m))):
+            block[:, layout.roll_q] += stretch[cells, layout.roll_nodes]
+            block[:, layout.drum_q] += stretch[cells, layout.drum_nodes]
         return np.concatenate([roll, drum])
