@@ -105,7 +105,7 @@ def test_refinement_ends_where_the_tolerance_is_met() -> None:
 
 
 def test_a_loose_tolerance_begins_with_coarser_meshes() -> None:
-    loose = refine(Toy, tolerances=lambda outputs: {"Q": 1e-2}, loose=True)
+    loose = refine(Toy, tolerances=lambda outputs: {"Q": 1e-2}, rtol=1e-2)
     sizes = [mesh.size for mesh in loose.meshes]
     assert sizes[:3] == [9, 17, 33]
     assert sizes[3] in range(41, 50)  # 1.3 times the last, the least of a further mesh
