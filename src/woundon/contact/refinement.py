@@ -70,8 +70,8 @@ CHANGES, REPORTED = 2, 3
 TARGET_SHARE, MIN_GROWTH, MAX_GROWTH = 0.6, 1.3, 2.0
 # A mesh of SIZES that is smaller than the predicted one by up to this share is used.
 ROUNDED_DOWN = 0.03
-# Last Newton step, in the units of the unknowns: while meshes are refined, relative to the tolerance
-# of the outputs, and on the last one, near the rounding error of 1e-14.
+# Last Newton step, in the units of the unknowns: while meshes are refined, relative to the smallest
+# tolerance of an output, and on the last mesh, near the rounding error of 1e-14.
 COARSE_SHARE, FINAL_TOLERANCE = 1e-2, 1e-11
 NEIGHBOUR_TOLERANCE = 1e-7  # for differences between problems that are about 1 % apart
 

@@ -72,6 +72,7 @@ class Layout(Unknowns):
         self.roll_nodes, self.drum_nodes = slice(self.first + 1, self.end), slice(1, self.last)
         self.roll_count = self.end - self.first - 1
         super().__init__(stop - start, self.roll_count + self.last - 1)
-        self.drum_p, self.wrap_p = slice(0, self.last - start), slice(self.last - start, self.p.stop)
+        self.drum_p = slice(0, self.last - start)
+        self.wrap_p = slice(self.last - start, self.p.stop)
         first_drum_q = self.q.start + self.roll_count
         self.roll_q, self.drum_q = slice(self.q.start, first_drum_q), slice(first_drum_q, self.size)
