@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import woundon as wo
 from woundon.contact import refinement
 from woundon.contact.newton import NewtonFailed
 from woundon.contact.refinement import (
@@ -102,6 +103,14 @@ def test_refinement_ends_where_the_tolerance_is_met() -> None:
     assert found.errors()["Q"] <= tolerance < 1.5 / sizes[-2] ** 2
     assert abs(found.last.outputs["Q"] - 1) == pytest.approx(found.errors()["Q"] / 3, rel=1e-6)
     assert found.iterations >= len(sizes)
+
+
+def test_meshes_before_the_last_are_solved_to_a_hundredth_of_the_tolerance() -> None:
+    solved = wo.solve(wo.NipProblem.example(), rtol=1e-2).refinement
+    assert solved is not None
+    *coarse, last = (mesh.solver.step_size for mesh in solved.meshes)
+    assert 1e-5 < max(coarse) < 1e-4
+    assert last < 1e-11
 
 
 def test_a_loose_tolerance_begins_with_coarser_meshes() -> None:
