@@ -26,7 +26,7 @@ from ..quantities import Place, quantity_of, scalar_outputs, walk
 from ..results import Result
 from .figures import figure_bytes
 from .html import parts_html, table_html
-from .outputs_report import LEFT_OUT
+from .outputs_report import LEFT_OUT, not_applicable
 from .plots import figures_of_columns
 from .report_parts import (
     Column,
@@ -219,7 +219,10 @@ def _comparison(results: Sequence[Result], names: Sequence[str]) -> Iterator[str
 def _outputs(results: Sequence[Result]) -> Iterator[TableRow]:
     """Yield the rows of the outputs that all results have, with the differences from the first."""
     known = [scalar_outputs(result) for result in results]
-    left_out = LEFT_OUT | {f"{name}_error" for name in results[0].errors}
+    left_out = LEFT_OUT.union(
+        {f"{name}_error" for name in results[0].errors},
+        *(not_applicable(result.problem) for result in results),
+    )
     # the kind's main outputs first
     for name in dict.fromkeys((*results[0].MAIN, *known[0])):
         if name in left_out or not all(name in outputs for outputs in known):
