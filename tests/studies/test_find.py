@@ -273,6 +273,22 @@ def test_a_field_without_effect_is_rejected_with_its_reason(name: str, reason: s
     assert str(rejected.value).startswith(expected)
 
 
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("core_shrinkage", "core_removed = true"),
+        ("temperature_change", "tangential_expansion and radial_expansion are 0"),
+    ],
+)
+def test_the_reason_is_that_of_the_field_if_several_have_no_effect(name: str, reason: str):
+    roll = wo.RollProblem.example().replace(
+        core_removed=True, core_shrinkage=1e-3, temperature_change=-10.0, moisture_change=0.01
+    )
+    with pytest.raises(wo.InvalidProblem) as rejected:
+        wo.find(roll, name, peak_pressure="100 kPa")
+    assert str(rejected.value).startswith(f"{name}: has no effect in this case, as {reason};")
+
+
 def test_a_change_of_the_finished_roll_is_searched_where_rolls_have_it():
     """To five times the usual change, 40 K, unless a range is given, which may be larger."""
     roll = wo.RollProblem.example().replace(radial_expansion=1e-4)
