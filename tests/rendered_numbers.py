@@ -29,7 +29,8 @@ __all__ = [
 
 NUMBER = r"(?<![\w.^])[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.])"
 # numbers that share the unit behind the last one: of a value and its limit, of a range
-SHARED = rf"({NUMBER}(?:(?:\s|,|<=|>=|->|± ?<?|to|and)*{NUMBER})*)\s+((?:1/)?[A-Za-z%][\w/*^%]*)(?![\w])"
+UNIT = r"(?:1/)?[A-Za-z%][\w/*^%]*"
+SHARED = rf"({NUMBER}(?:(?:\s|,|<=|>=|->|± ?<?|to|and)*{NUMBER})*)\s+({UNIT})(?![\w])"
 # the error of a value, in its unit; an error below the last digit begins with "<"
 ERROR = rf"[ \t]*(?:±|\+-)[ \t]*(<?)({NUMBER})"
 BRACKET = re.compile(r"\[([^\[\]]+)\]")

@@ -44,7 +44,7 @@ def test_a_reload_keeps_case_tab_units_and_pins(look):
 
 
 def test_a_reload_at_once_keeps_the_last_change(look):
-    """Before the address follows, 0.3 s after a change; twice, from addresses without and with it."""
+    """Before the address follows, 0.3 s later; from an address without a state and with one."""
     seen = look()
     page = seen.page
     for value in ("5000", "6000"):

@@ -68,9 +68,7 @@ def test_all_margins_of_a_roll_off_its_core_are_in_sight(look):
     page.evaluate("document.querySelectorAll('.group').forEach((group) => { group.open = true })")
     assert page.locator("[data-output=core_pressure]").count() == 1
     page.select_option("#f-core_removed", "true")
-    page.wait_for_function(
-        "() => document.querySelectorAll('.margins tbody tr').length === 10"
-    )
+    page.wait_for_function("() => document.querySelectorAll('.margins tbody tr').length === 10")
     seen.rest()
     assert page.locator("[data-output=core_pressure]").count() == 0
     hidden = """() => {

@@ -70,7 +70,7 @@ def test_a_web_below_its_centrifugal_force_is_slack(on_meshes, least: float, is_
         lambda: nip_solve._check_slack_beyond_errors(RUNNING, meshes),
         lambda: nip_solve._check_taut(RUNNING, meshes[-1]),
     ):
-        with pytest.raises(wo.NoSteadyState, match="downstream .* below its centrifugal force"):
+        with pytest.raises(wo.NoSteadyState, match=r"downstream .* below its centrifugal force"):
             check()
 
 
