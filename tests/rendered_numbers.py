@@ -29,7 +29,8 @@ __all__ = [
 
 NUMBER = r"(?<![\w.^])[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.])"
 # numbers that share the unit behind the last one: of a value and its limit, of a range
-SHARED = rf"({NUMBER}(?:(?:\s|,|<=|>=|->|± ?<?|to|and)*{NUMBER})*)\s+([A-Za-z%][\w/*^%]*)(?![\w])"
+UNIT = r"(?:1/)?[A-Za-z%][\w/*^%]*"
+SHARED = rf"({NUMBER}(?:(?:\s|,|<=|>=|->|± ?<?|to|and)*{NUMBER})*)\s+({UNIT})(?![\w])"
 # the error of a value, in its unit; an error below the last digit begins with "<"
 ERROR = rf"[ \t]*(?:±|\+-)[ \t]*(<?)({NUMBER})"
 BRACKET = re.compile(r"\[([^\[\]]+)\]")
@@ -56,7 +57,7 @@ def size(unit: str) -> float:
 def numbers(text: str) -> list[Shown]:
     """Return the numbers of a text in SI; a unit in brackets is that of the numbers in its line."""
     shown: list[Shown] = []
-    for line in text.replace("µm", "um").replace("m/s^2", "").splitlines():
+    for line in _as_written(text).replace("m/s^2", "").splitlines():
         bracket = BRACKET.search(line)
         default = bracket[1] if bracket and is_unit(bracket[1]) else ""
         units: dict[int, str] = {}
@@ -82,16 +83,23 @@ def numbers(text: str) -> list[Shown]:
     return shown
 
 
+def _as_written(text: str) -> str:
+    """Return a text with printed units as the program reads them."""
+    for printed, unit in {"µm": "um", "°F": "degF", "·": "*", "²": "^2", "³": "^3"}.items():
+        text = text.replace(printed, unit)
+    return text
+
+
 def units_in(text: str) -> set[str]:
     """Return the units of the numbers of a text, and those in brackets."""
-    text = text.replace("µm", "um")
+    text = _as_written(text)
     names = {match[2] for match in re.finditer(SHARED, text)} | set(BRACKET.findall(text))
     return {name for name in names if is_unit(name)}
 
 
 def words(text: str) -> str:
     """Return a text without numbers and units."""
-    plain = re.sub(rf"<?{NUMBER}|±|\+-", " ", text.replace("µm", "um"))
+    plain = re.sub(rf"<?{NUMBER}(?![/\d])|±|\+-", " ", _as_written(text))
     return " ".join(word for word in plain.split() if not is_unit(word.strip("[],;.():")))
 
 

@@ -34,7 +34,7 @@ from woundon.quantities import (
     scalar_outputs,
     walk,
 )
-from woundon.report.figures import symbol_text, unit_of
+from woundon.report.figures import printed_unit, symbol_text, unit_of
 
 Rows = list[tuple[str, ...]]
 
@@ -148,7 +148,7 @@ def _default(value: Any, quantity: Quantity | None) -> str:
 
 def _range(quantity: Quantity, ends: Iterable[float]) -> str:
     """Return values in the display unit, which is named if it is not the SI unit."""
-    unit = "" if _unit(quantity) == quantity.display else f" {unit_of(quantity)}"
+    unit = "" if _unit(quantity) == unit_of(quantity) else f" {unit_of(quantity)}"
     return " to ".join(_number(quantity.shown(end)) for end in ends) + unit
 
 
@@ -167,7 +167,7 @@ def _number(value: float) -> str:
 
 
 def _unit(quantity: Quantity) -> str:
-    return "" if quantity.unit == "1" else quantity.unit
+    return "" if quantity.unit == "1" else printed_unit(quantity.unit)
 
 
 def _tex(quantity: Quantity) -> str:

@@ -43,6 +43,35 @@ def test_a_reload_keeps_case_tab_units_and_pins(look):
     page.wait_for_selector("#fit-table")
 
 
+def test_a_reload_at_once_keeps_the_last_change(look):
+    """Before the address follows, 0.3 s later; from an address without a state and with one."""
+    seen = look()
+    page = seen.page
+    for value in ("5000", "6000"):
+        page.evaluate(
+            """value => {
+                const box = document.querySelector("[data-path=nip_load] .box")
+                box.value = value
+                for (const name of ["input", "change"]) {
+                    box.dispatchEvent(new Event(name, { bubbles: true }))
+                }
+                box.blur()
+                setTimeout(() => location.reload())
+            }""",
+            value,
+        )
+        page.wait_for_function(
+            "value => document.querySelector('[data-path=nip_load] .box')?.value === value"
+            " && performance.getEntriesByType('navigation')[0].type === 'reload'",
+            arg=value,
+        )
+        seen.rest()
+        seen.held(lambda state, load=float(value): state["case"]["nip_load"] == load)
+    # what was left is not taken twice, nor by another address
+    assert page.evaluate("() => sessionStorage.length") == 0
+    assert look().box("nip_load") != "6000"
+
+
 def test_a_case_without_a_steady_state_is_kept_with_its_error(look):
     seen = look()
     seen.put("winding_force", "5000")

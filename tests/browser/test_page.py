@@ -508,7 +508,7 @@ def test_a_roll_is_taken_off_its_core(look):
     seen.rest()
     released = wo.solve(wo.RollProblem.example().replace(core_removed=True))
     assert seen.output("bore_hoop_stress") == pytest.approx(released.bore_hoop_stress, rel=SAME)
-    assert seen.output("core_pressure") == 0
+    assert page.locator("[data-output=core_pressure]").count() == 0
     seen.held(lambda state: state["case"]["core_removed"])
     page.reload()
     page.wait_for_selector("#f-core_removed")

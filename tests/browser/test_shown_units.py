@@ -14,7 +14,7 @@ SIZES = {
     "psi": POUND / INCH**2, "ksi": 1e3 * POUND / INCH**2, "m": 1, "mm": 1e-3, "µm": 1e-6,
     "ft": 12 * INCH, "in": INCH, "mil": 1e-3 * INCH, "m/min": 1 / 60, "fpm": INCH / 5,
     "kg/m³": 1, "lb/ft³": 0.45359237 / (12 * INCH) ** 3, "°": math.pi / 180, "%": 0.01,
-    "1/K": 1, "K": 1, "N": 1, "m/s²": 1, "ft/s²": 12 * INCH, "s": 1,
+    "1/K": 1, "K": 1, "°F": 5 / 9, "1/°F": 9 / 5, "N": 1, "m/s²": 1, "ft/s²": 12 * INCH, "s": 1,
 }  # fmt: skip
 DIGITS = 1e-5  # boxes show six digits, rounded twice here
 POINT_DIGITS = 1e-3  # points of schedules show four

@@ -58,3 +58,29 @@ def test_a_centre_winder_without_a_nip_has_the_torque_of_its_core_drive(look):
     assert "largest torque of the core drive" in page.text_content("body")
     assert page.locator("sub", has_text="k,max").count() == 2  # of torque and power
     assert "a drum" not in page.inner_text(".margins")
+
+
+def test_all_margins_of_a_roll_off_its_core_are_in_sight(look):
+    """Without the core its pressure has no card; the words of all choices fit into their menus."""
+    seen = look(width=1366, height=900)
+    page = seen.page
+    seen.winding_without_nips()
+    page.evaluate("document.querySelectorAll('.group').forEach((group) => { group.open = true })")
+    assert page.locator("[data-output=core_pressure]").count() == 1
+    page.select_option("#f-core_removed", "true")
+    page.wait_for_function("() => document.querySelectorAll('.margins tbody tr').length === 10")
+    seen.rest()
+    assert page.locator("[data-output=core_pressure]").count() == 0
+    hidden = """() => {
+        const table = document.querySelector(".margins").parentElement
+        return table.scrollHeight - table.clientHeight
+    }"""
+    assert page.evaluate(hidden) == 0
+    cut_off = """() => [...document.querySelectorAll(".field.choice select")].filter((menu) => {
+        const width = menu.offsetWidth
+        menu.style.width = "max-content"
+        const needed = menu.offsetWidth
+        menu.style.width = ""
+        return width < needed
+    }).map((menu) => menu.id)"""
+    assert page.evaluate(cut_off) == []

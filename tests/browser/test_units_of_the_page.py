@@ -34,6 +34,29 @@ def shown(seen) -> list[str]:
     return texts.splitlines()
 
 
+def test_powers_and_products_of_units_are_typeset(look):
+    """In answers of the server and in the names of grades."""
+    seen = look()
+    read = """async () => {
+        const { typeset, Units } = await import("/static/units.js")
+        const { symbolText } = await import("/static/symbols.js")
+        const units = new Units({ units: {}, unit_definitions: {}, systems: {} }, "SI")
+        return [
+            units.sentence("a = 0 m/s^2, J = 3 kg*m^2, m V^2 = 18 N/m, 3 um"),
+            units.message("'3 kg/cm^2' is wrong; must be given [kg/m^3], e.g. in kg*m^2"),
+            symbolText("V^2"), typeset("Pa/m**0.5"), typeset("1/degF"),
+        ]
+    }"""
+    assert seen.page.evaluate(read) == [
+        "a = 0 m/s², J = 3 kg·m², m V² = 18 N/m, 3 µm",
+        "'3 kg/cm^2' is wrong; must be given [kg/m³], e.g. in kg·m²",
+        "V²", "Pa/√m", "1/°F",
+    ]  # fmt: skip
+    grades = seen.page.inner_text("#grade")
+    assert "g/m²" in grades
+    assert "^" not in grades
+
+
 @pytest.mark.parametrize(
     ("tab", "kind", "headline"),
     [

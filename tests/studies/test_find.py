@@ -258,11 +258,32 @@ def test_a_field_without_effect_is_rejected_with_its_reason(name: str, reason: s
     assert str(rejected.value).startswith(expected)
 
 
-def test_a_change_of_the_finished_roll_is_searched_where_it_is_permitted():
-    roll = wo.RollProblem.example().replace(radial_expansion=1e-5)
-    with pytest.raises(wo.NoSolution) as missed:
-        wo.find(roll, "temperature_change", core_pressure="1 GPa", points=3, rtol=0.01)
-    assert max(np.abs(missed.value.values)) <= 1000
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("core_shrinkage", "core_removed = true"),
+        ("temperature_change", "tangential_expansion and radial_expansion are 0"),
+    ],
+)
+def test_the_reason_is_that_of_the_field_if_several_have_no_effect(name: str, reason: str):
+    roll = wo.RollProblem.example().replace(
+        core_removed=True, core_shrinkage=1e-3, temperature_change=-10.0, moisture_change=0.01
+    )
+    with pytest.raises(wo.InvalidProblem) as rejected:
+        wo.find(roll, name, peak_pressure="100 kPa")
+    assert str(rejected.value).startswith(f"{name}: has no effect in this case, as {reason};")
+
+
+def test_a_change_of_the_finished_roll_is_searched_where_rolls_have_it():
+    """To five times the usual change, 40 K, unless a range is given, which may be larger."""
+    roll = wo.RollProblem.example().replace(radial_expansion=1e-4)
+    with pytest.raises(wo.NoSolution, match="temperature_change from -40 K to 200 K") as missed:
+        wo.find(roll, "temperature_change", core_pressure="1 MPa", points=3, rtol=0.1)
+    assert max(missed.value.values) == 200.0
+    found = wo.find(
+        roll, "temperature_change", core_pressure="0.6 MPa", between=(0, 900), points=3, rtol=0.1
+    )
+    assert found.value > 200.0
     with pytest.raises(wo.InvalidProblem, match=r"must be a number >= -1000 and <= 1000 \[K\]"):
         wo.find(roll, "temperature_change", core_pressure="1 MPa", between=(0, 2000))
 

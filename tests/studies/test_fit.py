@@ -193,6 +193,24 @@ def test_intervals_are_those_of_whole_refits_for_the_measured_tensions():
         assert abs(np.log(end / true)) < 1e-2 * reach
 
 
+def test_a_fit_begins_at_the_base_case_without_rounding():
+    """The base case may be the only one that is known to be solved: u is not mapped to and fro."""
+    y = 2 * (1 - np.exp(-0.4 * X)) + 0.3 * NOISE
+    bounds = (Parameter("a", 0.1, 100.0, 0.3), Parameter("b", 0.01, 10.0, 0.7))
+    predictor = Predictor(models.SaturationModel(), models.curve_data(X, y), bounds)
+    start = np.array([parameter.start for parameter in bounds])
+    asked = []
+    residuals = predictor.residuals
+    predictor.residuals = lambda u: asked.append(u) or residuals(u)
+    assert minimise(predictor, start) is not None
+    # once to see whether it is solved, once by the iteration
+    assert [tuple(u) for u in asked[:2]] == [tuple(start)] * 2
+    # the way to and fro would change it
+    width = predictor.high - predictor.low
+    back = predictor.low + ((1 + (start - predictor.low) / width) - 1) * width
+    assert not np.array_equal(back, start)
+
+
 def test_known_points_of_a_profile_bracket_its_end():
     """The same end from a known profile, without an evaluation; at the bound too."""
     y = 2 * (1 - np.exp(-0.4 * X)) + 0.3 * NOISE

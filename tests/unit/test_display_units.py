@@ -191,6 +191,8 @@ def test_warnings_are_kept_in_the_usual_units_and_displayed_in_the_chosen_ones()
         ("moduli are 6.894757 and 68.94757 GPa", "moduli are 1000 and 10000 ksi"),
         ("from 25.4 to 50.8 mm", "from 1 to 2 in"),
         ("a speed of 5 m/s, 3 m wide, 2 kg/m^2", "a speed of 984 fpm, 9.84 ft wide, 2 kg/m^2"),
+        # a change of temperature: no offset
+        ("cooled by -20 K to -10 K", "cooled by -36 degF to -18 degF"),
         ("E0 mm, 2h mm", "E0 mm, 2h mm"),
         # errors that a report quotes
         ("the law ends at 6894.757 [Pa], below", "the law ends at 1 [psi], below"),

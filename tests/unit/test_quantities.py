@@ -8,7 +8,7 @@ from coarse_solutions import coarse_solution
 
 from woundon import kinds, quantities
 from woundon.problems.paths import find_places, get_field
-from woundon.quantities import walk
+from woundon.quantities import OF_FIELD, walk
 
 # woundon's own, whatever other tests have registered
 OWN = [kind for kind in kinds.every() if kind.problem.__module__.startswith("woundon.")]
@@ -78,6 +78,16 @@ def test_every_number_of_every_problem_is_a_quantity(kind: kinds.Kind) -> None:
         is_word = isinstance(place.value, str | bool)
         assert (place.quantity is None) == (is_word or none_given), place.path
         assert place.name in place.owner.model_fields
+
+
+@each_kind
+def test_fields_of_different_names_have_different_meanings(kind: kinds.Kind) -> None:
+    names: dict[str, set[str]] = {}
+    for place in walk(kind.problem):
+        if place.quantity and place.field and OF_FIELD not in place.field.metadata:
+            names.setdefault(place.quantity.meaning, set()).add(place.name)
+    names.pop("web thickness", None)  # of the web, and of a roll of this web
+    assert [shared for shared in names.values() if len(shared) > 1] == []
 
 
 # ---- results ------------------------------------------------------------------------------------

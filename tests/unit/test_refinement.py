@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import woundon as wo
 from woundon.contact import refinement
 from woundon.contact.newton import NewtonFailed
 from woundon.contact.refinement import (
@@ -104,8 +105,16 @@ def test_refinement_ends_where_the_tolerance_is_met() -> None:
     assert found.iterations >= len(sizes)
 
 
+def test_meshes_before_the_last_are_solved_to_a_hundredth_of_the_tolerance() -> None:
+    solved = wo.solve(wo.NipProblem.example(), rtol=1e-2).refinement
+    assert solved is not None
+    *coarse, last = (mesh.solver.step_size for mesh in solved.meshes)
+    assert 1e-5 < max(coarse) < 1e-4
+    assert last < 1e-11
+
+
 def test_a_loose_tolerance_begins_with_coarser_meshes() -> None:
-    loose = refine(Toy, tolerances=lambda outputs: {"Q": 1e-2}, loose=True)
+    loose = refine(Toy, tolerances=lambda outputs: {"Q": 1e-2}, rtol=1e-2)
     sizes = [mesh.size for mesh in loose.meshes]
     assert sizes[:3] == [9, 17, 33]
     assert sizes[3] in range(41, 50)  # 1.3 times the last, the least of a further mesh

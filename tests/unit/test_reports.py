@@ -16,7 +16,7 @@ from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import kinds, quantities
-from woundon.report.html_report import _inputs, _is_omitted
+from woundon.report.html_report import _inputs, _is_omitted, report_file
 from woundon.report.nip_report import nip_report
 from woundon.report.report_parts import Row, Section, certificate_line, value_row, zone_line
 from woundon.report.roll_report import changes_sections
@@ -303,3 +303,17 @@ def test_inputs_leave_out_zeros_without_effect_only():
     omitted = {place.path for place in quantities.walk(problem) if _is_omitted(problem, place)}
     assert "core_expansion" in omitted
     assert not {"core_shrinkage", "tangential_expansion"} & omitted
+
+
+def test_powers_and_products_of_units_are_typeset_in_pages():
+    """The centrifugal force has a symbol with a square; defaults have units with powers."""
+    winding = wo.WindingProblem.example().replace(
+        tension_law="friction", width=2.0, density=680.0, web_speed=20.0,
+        inertia=wo.Inertia(core=3.0),
+    )  # fmt: skip
+    page = report_file([wo.solve(winding)])
+    assert "<i>m</i> <i>V</i><sup>2</sup>" in page
+    for text in ("inertia.drum = 0 kg·m<sup>2</sup>", "acceleration = 0 m/s<sup>2</sup>"):
+        assert text in page
+    texts = re.sub(r"<(svg|style).*?</\1>", "", page, flags=re.DOTALL)
+    assert re.findall(r"\w(?:</?\w+>)*\^\d|[a-z]\*[a-z]", texts) == []

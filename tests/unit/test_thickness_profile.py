@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose
 import woundon as wo
 from woundon.io.case_files import apply_settings, read_case
 from woundon.io.chosen_units import units_of
+from woundon.report.html_report import report_file
 from woundon.report.lane_panels import lane_panels
 
 Y = np.linspace(0, 2, 101)
@@ -249,6 +250,18 @@ def test_a_loaded_result_has_the_same_lanes(result, tmp_path):
     assert loaded == result
     assert loaded.worst_lane.pressure == pytest.approx(result.worst_lane.pressure, rel=1e-4)
     assert loaded.worst_lane.tension == pytest.approx(result.worst_lane.tension, rel=1e-6)
+
+
+def test_no_pressure_on_a_removed_core_is_reported(monkeypatch):
+    """Of the lanes, of the roll and in a comparison with a roll on its core."""
+    monkeypatch.setattr("woundon.report.html_report._figure", lambda *_: iter(()))
+    cases = [ROLL.replace(radius=0.06, core_removed=removed) for removed in (False, True)]
+    on_core, removed = (wo.solve(case, rtol=0.1, lanes=4) for case in cases)
+    texts = str(on_core), str(removed), report_file([on_core] * 2), report_file([on_core, removed])
+    counts = [" ".join(text.split()).count("pressure of a lane on the core") for text in texts]
+    # in the results of each state; a comparison has neither
+    assert counts == [1, 0, 2, 1]
+    assert "pressure on the core" not in str(removed)
 
 
 def test_the_report_names_slack_lanes():

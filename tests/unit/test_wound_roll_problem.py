@@ -10,6 +10,7 @@ import pytest
 import woundon as wo
 from woundon.problems.schedules import Curve
 from woundon.report.result_panels import panels_of
+from woundon.roll import solve as roll_solve
 
 ROLL = wo.RollProblem.example()
 
@@ -147,6 +148,23 @@ def test_the_error_of_a_core_pressure_that_is_exactly_zero_is_zero():
     nearly = wo.solve(ROLL.replace(core_shrinkage=just))
     assert 0 < nearly.core_gap < nearly.errors["bore_displacement"]
     assert nearly.errors["core_pressure"] > 0
+
+
+@pytest.mark.parametrize(("share", "is_error"), [(0.99, False), (1.01, True)])
+def test_a_gap_within_the_error_of_the_bore_leaves_the_core_pressure_uncertain(share, is_error):
+    """The displacement by an error of the hoop stress is r_c/E_t times it."""
+    result = wo.solve(ROLL.replace(core_shrinkage=0.02), rtol=0.1)
+    assert result.core_gap > 0
+    points = roll_solve._error_points(result)
+    hoop = share * result.core_gap * ROLL.stack.tangential / ROLL.core.radius
+    errors = roll_solve._largest_errors(
+        result, np.full(points.size, 7.0), np.full(points.size, hoop)
+    )
+    assert errors["core_pressure"] == (7.0 if is_error else 0.0)
+    removed = wo.solve(ROLL.replace(core_removed=True), rtol=0.1)
+    shape = roll_solve._error_points(removed).size
+    errors = roll_solve._largest_errors(removed, np.full(shape, 7.0), np.full(shape, 1e12))
+    assert errors["core_pressure"] == 0.0
 
 
 def test_a_change_without_effect_is_no_assumption():

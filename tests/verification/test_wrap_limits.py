@@ -59,7 +59,7 @@ def _held_far_away(problem: wo.NipProblem) -> float:
         def jacobian(self, state: Any) -> Any:
             made, at = super().jacobian(state), self.layout
             u, base, T_in = state.u, self._far(state.fields), self.problem.web_tension
-            k = at.roll_nodes.size
+            k = at.roll_count
             for column, scale in enumerate(self.scales):
                 if column in self.ln_a:
                     continue

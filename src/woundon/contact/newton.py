@@ -213,7 +213,7 @@ class SemismoothNewton:
         should, the iteration has stalled, and the system is factorised with a new Jacobian.  The
         size is 0 if rounding prevents a smaller step even then.
         """
-        residual = np.append(state.equilibrium, friction_residual(state, active))
+        residual = np.concatenate([state.equilibrium, friction_residual(state, active)])
         if not np.isfinite(residual).all():
             raise NewtonFailed("the residual is not finite")
         linear, last_size, was_current = self.linear, self.step_size, self.jacobian_is_current
@@ -330,8 +330,6 @@ class _LinearSystem:
         self.factored = self.active = active
         matrix = system_matrix(system, jacobian, active)
         matrix *= system.scales
-        self.row_size = np.maximum(matrix.max(axis=1), -matrix.min(axis=1))
-        matrix /= self.row_size[:, None]
         self.changes = np.zeros((0, len(matrix)))  # D
         self.correction = self.changes.T  # Z (I + D Z)^-1
         # rows are contiguous, so LAPACK factorises the transpose
@@ -345,7 +343,7 @@ class _LinearSystem:
         The half widths must be near those of its Jacobian, and few rows may differ.
         """
         distance = np.abs(state.u[self.system.ln_a] - self.ln_a).max()
-        few = MOST_CHANGED * self.row_size.size
+        few = MOST_CHANGED * len(self.lu)
         return bool(distance <= REASSEMBLE and np.sum(active != self.factored) <= few)
 
     def set_active(self, active: Array) -> None:
@@ -362,8 +360,8 @@ class _LinearSystem:
             friction_rows(self.system, self.jacobian, each, nodes)
             for each in (self.factored, active)
         )
-        self.changes = (new - old) * self.system.scales / self.row_size[rows, None]
-        units = np.zeros((self.row_size.size, nodes.size))
+        self.changes = (new - old) * self.system.scales
+        units = np.zeros((len(self.lu), nodes.size))
         units[rows, np.arange(nodes.size)] = 1.0
         Z, _ = _getrs(self.lu, self.pivots, units, trans=1)
         try:
@@ -373,7 +371,7 @@ class _LinearSystem:
 
     def solve(self, right: Array) -> Array:
         """Solve J x = right for a (m+k,) array; x in the units of the unknowns."""
-        x, _ = _getrs(self.lu, self.pivots, right / self.row_size, trans=1)
+        x, _ = _getrs(self.lu, self.pivots, right, trans=1)
         return np.asarray(x - self.correction @ (self.changes @ x))
 
     def newton_step(self, residual: Array) -> tuple[Array, float]:

@@ -35,7 +35,6 @@ __all__ = [
     "CHANGES",
     "FINAL_TOLERANCE",
     "FIRST_SIZES",
-    "LOOSE",
     "MeshSolution",
     "Refinement",
     "neighbouring_solution",
@@ -71,9 +70,9 @@ CHANGES, REPORTED = 2, 3
 TARGET_SHARE, MIN_GROWTH, MAX_GROWTH = 0.6, 1.3, 2.0
 # A mesh of SIZES that is smaller than the predicted one by up to this share is used.
 ROUNDED_DOWN = 0.03
-# Last Newton step, in the units of the unknowns: while meshes are refined, where the discretisation
-# error is larger, and on the last one, near the rounding error of 1e-14.
-COARSE_TOLERANCE, FINAL_TOLERANCE = 1e-5, 1e-11
+# Last Newton step, in the units of the unknowns: while meshes are refined, relative to the smallest
+# tolerance of an output, and on the last mesh, near the rounding error of 1e-14.
+COARSE_SHARE, FINAL_TOLERANCE = 1e-2, 1e-11
 NEIGHBOUR_TOLERANCE = 1e-7  # for differences between problems that are about 1 % apart
 
 
@@ -189,7 +188,7 @@ def refine(
     nodes: int | None = None,
     tolerances: Tolerances = lambda _: {},
     most_nodes: int = 257,
-    loose: bool = False,
+    rtol: float = 1e-3,
     start: Refinement | None = None,
     errors: bool = True,
     last: MeshSolution | None = None,
@@ -209,8 +208,8 @@ def refine(
         main outputs -> permitted errors of some of them, by name.
     most_nodes : int
         Largest mesh; there the refinement ends even if the tolerances are not met.
-    loose : bool
-        True for relative tolerances of LOOSE and more: the first meshes are coarser.
+    rtol : float
+        The smallest relative tolerance of an output.
     start : Refinement, optional
         Solutions of a neighbouring problem, which replace the initial guess on every mesh.
     errors : bool
@@ -229,7 +228,7 @@ def refine(
     """
     sequence, alternative = (
         sizes_up_to(nodes, first) if nodes else [n for n in first if n <= most_nodes]
-        for first in (LOOSE_SIZES if loose else FIRST_SIZES, OTHER_SIZES)
+        for first in (LOOSE_SIZES if rtol >= LOOSE else FIRST_SIZES, OTHER_SIZES)
     )
 
     def refine_from(sizes: list[int], start: Refinement | None, larger: int) -> Refinement:
@@ -243,7 +242,9 @@ def refine(
                 if last is not None and size == last.size:
                     refinement.meshes.append(last)
                     return refinement
-                refinement.meshes.append(_solve(system_of(size), size, refinement, start))
+                tolerance = COARSE_SHARE * rtol
+                solution = _solve(system_of(size), size, refinement, start, tolerance)
+                refinement.meshes.append(solution)
                 check(refinement.last)
                 if progress:
                     progress(min(size / (nodes or most_nodes), 1.0))
@@ -271,7 +272,7 @@ def refine(
 
 
 def _solve(
-    system: Any, size: int, refinement: Refinement, start: Refinement | None
+    system: Any, size: int, refinement: Refinement, start: Refinement | None, tolerance: float
 ) -> MeshSolution:
     """Return the solution on a mesh.
 
@@ -294,7 +295,7 @@ def _solve(
     # next to the solution on the mesh before, a factorisation of its own converges faster
     neighbouring_solver = None if refinement.meshes else _solver_on_mesh(start, system, size)
     solver = SemismoothNewton(system, neighbouring_solver)
-    state, active = solver.solve(u, active, COARSE_TOLERANCE)
+    state, active = solver.solve(u, active, tolerance)
     return MeshSolution(size, system, state, active, solver)
 
 

@@ -181,15 +181,12 @@ class InfluenceSurface(LinearSurface):
             return self._integrals_at(kernels, smooth, points)
         at_points, _ = _nip_interpolation(face.size, self._rank)
         if face.is_nip:  # the edge included
-            nip = slice(0, points.size)
+            return at_points @ self._integrals_at(kernels, smooth, _chebyshev_points(self._rank))
         upstream, downstream = points[: nip.start], points[nip.stop :]
         targets = np.concatenate([upstream, _chebyshev_points(self._rank), downstream])
-        out = self._integrals_at(kernels, smooth, targets)
-        before, interpolated, after = np.split(
-            out, [upstream.size, upstream.size + self._rank], axis=1
-        )
-        inside = at_points[: nip.stop - nip.start] @ interpolated
-        return np.concatenate([before, inside, after], axis=1)
+        out, stop = self._integrals_at(kernels, smooth, targets), nip.start + self._rank
+        inside = at_points[: nip.stop - nip.start] @ out[:, nip.start : stop]
+        return np.concatenate([out[:, : nip.start], inside, out[:, stop:]], axis=1)
 
     def _integrals_at(self, kernels: tuple[Kernel, ...], smooth: Smooth, targets: Array) -> Array:
         """Return the integrals of smooth parts at targets, (kernels, targets, n)."""

@@ -16,6 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import asinh, ceil, pi, sinh, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -203,16 +204,13 @@ class Face:
         """Return v at the nodes (n, ...) from slopes at the points and v at the trailing edge.
 
         ``slope`` is dv/dx [1], (n+1, ...), ``end`` the v at the edge [m], ``a`` the half width [m].
-        Slopes are summed from the trailing edge, because they are infinite at the far end of a
-        wrap, where the hoop pressure ends abruptly.
         """
         # the last two points, at the edge and at the end, belong to no cell of their own
-        steps = a * self.cells.reshape(-1, *(1,) * (slope.ndim - 1)) * slope[:-2]
-        upstream, downstream = steps[: self.last][::-1], steps[self.last :]
-        v_upstream = -np.cumsum(upstream, axis=0)[::-1]
-        v_downstream = np.cumsum(downstream, axis=0)
-        edge = np.zeros_like(steps[:1])
-        return np.asarray(end + np.concatenate([v_upstream, edge, v_downstream]))
+        steps = (a * self.cells).reshape(-1, *(1,) * (slope.ndim - 1)) * slope[:-2]
+        v = np.zeros((self.nodes.size, *slope.shape[1:]))
+        steps.cumsum(axis=0, out=v[1:])
+        v += end - v[self.last]
+        return v
 
     def curvature_change(self, slope: Array, a: float, ends: bool = True) -> Array:
         """Return -v'' at the nodes (n, ...) from slopes v' at the points (n+1, ...).
@@ -237,7 +235,7 @@ class Face:
         if self.extends_downstream and ends:
             # the end of the pressure bends the surface next to it without limit
             x = self.nodes[-1] - END_SHARE * (self.nodes[-1] - self.nodes[e])
-            k = min(int(np.searchsorted(self.nodes, x)), self.nodes.size - 2)
+            k = min(int(self.nodes.searchsorted(x)), self.nodes.size - 2)
             fraction = min((x - self.nodes[k - 1]) / self.cells[k - 1], 1.0)
             out[k:] = (1 - fraction) * out[k - 1] + fraction * out[k]
         out[0], out[-1] = out[1], out[-2]
@@ -252,8 +250,7 @@ def hat_weights(cells: Array) -> Array:
     return out / 2
 
 
-@dataclass(frozen=True)
-class Wrap:
+class Wrap(NamedTuple):
     """A wrap of the web next to the nip.
 
     Attributes
@@ -356,7 +353,7 @@ class _Grading:
 
     def points(self, cells: int) -> Array:
         """Return nodes (even entries) and points (odd entries), (2 cells + 1,)."""
-        t = np.linspace(0.0, self.end, 2 * cells + 1)
+        t = np.arange(2 * cells + 1) * (self.end / (2 * cells))
         graded = GRADED_LENGTH * np.sinh(np.minimum(t, self.t_linear)) ** 2
         linear = self.d_linear + self.slope * (t - self.t_linear)
         return np.where(t <= self.t_linear, graded, linear)

@@ -109,7 +109,8 @@ class LinearSurface:
     def deform(self, p: Array, q: Array) -> Deformation:
         """Return the influence matrices times the pressures and tractions."""
         slope_p, slope_q, strain_p, strain_q = self._tangent
-        return Deformation(slope_p @ p + slope_q @ q, strain_p @ p + strain_q @ q)
+        # dot: @ takes twice the time for small matrices
+        return Deformation(slope_p.dot(p) + slope_q.dot(q), strain_p.dot(p) + strain_q.dot(q))
 
     def tangent(self, p: Array, q: Array) -> SurfaceTangent:
         """Return the influence matrices."""
@@ -117,7 +118,7 @@ class LinearSurface:
 
     def end_displacement(self, p: Array, q: Array) -> float:
         """Return v at the trailing edge of the nip [m]."""
-        return float(self._end[0] @ p + self._end[1] @ q)
+        return float(self._end[0].dot(p) + self._end[1].dot(q))
 
     def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
         """Return the influence functions of v at the trailing edge."""

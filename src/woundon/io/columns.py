@@ -35,6 +35,7 @@ from .tables import Names, is_known_header, match_columns
 __all__ = ["read_columns", "with_columns"]
 
 MAX_ROWS = 100_000
+OF_STUDIES = ("case", "over")  # tables of study files, the values of which are not in files
 TEST_ARGUMENTS = ("area", "height", "offset", "preload", "branch")  # of a compression test
 
 
@@ -105,6 +106,9 @@ class _Files(NamedTuple):
         if not isinstance(name_of_file, str) or not name_of_file.strip():
             text = f"{quote(name_of_file)} is out of place; must be the name of a file"
             raise InvalidProblem.at(f"{path}.{key}", text)
+        if path.partition(".")[0] in OF_STUDIES:
+            text = f"{quote(name_of_file)} is out of place; must be lists of numbers"
+            raise InvalidProblem.at(f"{path}.{key}", f"{text}: only a case file names files")
         file = self.folder / name_of_file
         columns = table.pop("columns", None)
         if columns is not None and not isinstance(columns, Mapping):

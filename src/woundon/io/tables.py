@@ -360,6 +360,10 @@ def _interpret_header(text: str, names: Names) -> tuple[str, str, bool] | None:
 def _unknown(text: str, names: Names) -> str:
     """Return the error for an unknown header, with the names that it may mean."""
     name = next((name for name, unit in _splits(text) if is_unit(unit)), text)
+    list_name, _, item = name.strip().rpartition(".")
+    if item.isdigit() and names.find(list_name):
+        text = f"one number of the list {list_name}, which no column can be; write the numbers"
+        return f"{text} under [over] of a study file (in Python over={{{name.strip()!r}: [...]}})"
     suggested = [repr(name) for name in names.suggestions(_DEVIATION.sub("", name))]
     return f"no field or output{f'; did you mean {one_of(suggested)}?' if suggested else ''}"
 

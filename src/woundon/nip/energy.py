@@ -139,7 +139,7 @@ def power_balance(equations: NipEquations, state: NipState) -> float:
     c11, c12 = web.compliance.c11 / web.thickness, web.compliance.c12
     roll, drum = work_on_bodies(state)
     slip_roll, slip_drum = equations.slip_velocities(state.u[layout.xi], f, state.laid_strain)
-    tension = f.tension[0] + a * mesh.integral_to_points @ (f.q_roll + f.q_drum)
+    tension = f.tension[0] + a * f.transfer[:-1]
     # traction times strain of the web, less the friction work
     reference = -state.laid_strain - c11 * f.tension[-1]
     creepage = state.u[layout.xi] - c11 * f.tension[-1]

@@ -165,10 +165,9 @@ class NipEquations(ContactEquations[Geometry, NipState]):
         self._first_mesh = like
         self._first_mesh = self.mesh(self.guessed_half_width)
         self.layout = layout = Layout(self._first_mesh, self.roll_wrap > 0, self.drum_wrap > 0)
-        is_on_wrap = layout.roll_nodes >= layout.last
-        roll_friction = np.where(is_on_wrap, problem.friction_on_wrap, problem.roll_friction)
-        drum_friction = np.full(layout.drum_nodes.size, problem.drum_friction)
-        self.friction: Array = np.append(roll_friction, drum_friction)
+        self.friction: Array = np.full(layout.traction_count, problem.roll_friction)
+        self.friction[layout.last - layout.roll_nodes.start :] = problem.friction_on_wrap
+        self.friction[layout.roll_count :] = problem.drum_friction
 
     # ---- interface of the semismooth Newton method ---------------------------------------------
 
@@ -183,7 +182,7 @@ class NipEquations(ContactEquations[Geometry, NipState]):
     @cached_property
     def creepage_nodes(self) -> list[Array]:
         """Traction nodes on the drum, whose slip velocity contains the creepage."""
-        return [np.arange(self.layout.roll_nodes.size, self.friction.size)]
+        return [np.arange(self.layout.roll_count, self.friction.size)]
 
     def for_problem(self, problem: NipProblem) -> Self:
         """Return the equations of a neighbouring problem with the same numbers of cells."""
@@ -191,11 +190,11 @@ class NipEquations(ContactEquations[Geometry, NipState]):
 
     def node_names(self, tractions: Array) -> list[str]:
         """Return the names of traction nodes, given by their numbers (n,), for messages."""
-        layout, k = self.layout, self.layout.roll_nodes.size
+        layout, k = self.layout, self.layout.roll_count
         return [
-            f"roll node {layout.roll_nodes[i]}"
+            f"roll node {layout.roll_nodes.start + i}"
             if i < k
-            else f"drum node {layout.drum_nodes[i - k]}"
+            else f"drum node {layout.drum_nodes.start + i - k}"
             for i in tractions.tolist()
         ]
 
@@ -245,7 +244,7 @@ class NipEquations(ContactEquations[Geometry, NipState]):
         layout = self.layout
         E = self.strain_at_end(f) if laid_strain is None else laid_strain
         rows = [self._gap_slope(u, f), *self._normal_equilibrium(f), self._force_and_load(u, f)]
-        p = np.append(f.p_roll[layout.roll_nodes], f.p_drum[layout.drum_nodes])
+        p = np.concatenate([f.p_roll[layout.roll_nodes], f.p_drum[layout.drum_nodes]])
         # the slip velocity of a traction node is that of the cell upstream of it
         slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[layout.xi], f, E)])
         traction = u[layout.q] / self.scales[layout.q]
@@ -274,8 +273,9 @@ class NipEquations(ContactEquations[Geometry, NipState]):
         q = q_roll + q_drum
         # int q dx/a up to each node: complete hats for the slips (Mesh.integral_to_points), and
         # without the downstream half of the last hat for the tension
-        transfer = np.cumsum(mesh.weights * q)
-        T = inlet_tension + a * (transfer - q * np.append(mesh.cells, 0.0) / 2)
+        transfer = (mesh.weights * q).cumsum()
+        T = inlet_tension + a * transfer
+        T[:-1] -= (a / 2) * mesh.cells * q[:-1]
         hoop_tension = T - self.problem.centrifugal_tension
         on_drum = p_drum[: layout.last + 1], q_drum[: layout.last + 1]
         drum = g.drum.surface.deform(*on_drum)
@@ -317,7 +317,7 @@ class NipEquations(ContactEquations[Geometry, NipState]):
         thinning, _ = web.thinned(f.p_roll[mesh.nip_nodes])
         gap = f.roll.slope[: mesh.last - mesh.first] + f.drum.slope[nip] + u[self.layout.shift]
         gap += web.compliance.c12 * mesh.at_points(f.q_roll + f.q_drum)[nip]
-        gap -= np.diff(thinning) / (a * mesh.cells[nip])
+        gap -= (thinning[1:] - thinning[:-1]) / (a * mesh.cells[nip])
         return (gap - mesh.points[nip] * (a / self.problem.contact_radius)) / self.slope_scale
 
     def _normal_equilibrium(self, f: Fields) -> list[Array]:
@@ -408,7 +408,7 @@ class NipEquations(ContactEquations[Geometry, NipState]):
         u[[new.shift, new.xi, new.ln_a]] = state.u[[old.shift, old.xi, old.ln_a]]
         u[new.roll_q] = np.interp(x_new[new.roll_nodes], x_old, f.q_roll)
         u[new.drum_q] = np.interp(x_new[new.drum_nodes], x_old, f.q_drum)
-        k = old.roll_nodes.size  # the tractions on the roll come first
+        k = old.roll_count
         roll_zones = nearest(x_old[old.roll_nodes], active[:k], x_new[new.roll_nodes])
         drum_zones = nearest(x_old[old.drum_nodes], active[k:], x_new[new.drum_nodes])
         return u, np.append(roll_zones, drum_zones)
@@ -453,8 +453,8 @@ class Assembly:
         equilibrium = np.concatenate([gap, *wraps, self._force_and_load_rows()])
         slip = self._slip_rows() / equations.slope_scale
         # the friction bound of a node is its pressure, p+ on the roll and p- on the drum
-        on_drum = np.zeros((layout.drum_nodes.size, layout.size))
-        on_drum[np.arange(len(on_drum)), layout.drum_nodes - layout.p_nodes[0]] = 1.0
+        shift = layout.drum_nodes.start - layout.p_nodes.start
+        on_drum = np.eye(layout.traction_count - layout.roll_count, layout.size, shift)
         bound = np.concatenate([self.dp_roll[1:-1], on_drum]) / equations.pressure_scale
         return Jacobian(equilibrium, slip, bound)
 
@@ -466,8 +466,9 @@ class Assembly:
         """
         layout, first = self.layout, self.layout.first
         out = np.zeros((layout.end + 1 - first, layout.size))
-        unknowns = np.nonzero(layout.p_nodes > first)[0]  # the pressures on the face of the roll
-        out[layout.p_nodes[unknowns] - first, unknowns] = 1.0
+        # the pressures on the face of the roll
+        nodes = np.arange(max(layout.p_nodes.start, first + 1), layout.p_nodes.stop)
+        out[nodes - first, nodes - layout.p_nodes.start] = 1.0
         if self.equations.roll_wrap:
             inner = slice(first + 1, layout.last)
             kappa = self.fields.drum_curvature[inner]
@@ -596,32 +597,26 @@ class Assembly:
         v+ = eps - eps+ - (eps - eps+)(end) and v- = eps - eps- + xi in the cell upstream of each
         node, where the strain of the web is eps = c11 (T - T(end))/2h - c12 p+.
         """
-        layout, mesh, web = self.layout, self.mesh, self.problem.web
+        layout, mesh, web, first = self.layout, self.mesh, self.problem.web, self.layout.first
         c12 = web.compliance.c12
-        # the strain of the web in all cells: tension, and pressure in the cells of the roll's face
+        n, m = layout.roll_count, layout.traction_count - layout.roll_count
+        # c11 (T - T(end))/2h in all cells
         stretch = mesh.integral_to_points - mesh.weights
         stretch *= self.a * web.compliance.c11 / web.thickness
-        web_strain = np.zeros((mesh.cells.size, layout.size))
-        fraction = mesh.fraction[layout.first :, None]
-        web_strain[layout.first :] = (c12 * (fraction - 1)) * self.dp_roll[:-1] - (
-            c12 * fraction
-        ) * self.dp_roll[1:]
-        web_strain[:, layout.roll_q] += stretch[:, layout.roll_nodes]
-        web_strain[:, layout.drum_q] += stretch[:, layout.drum_nodes]
-        n, m = layout.roll_nodes.size, layout.drum_nodes.size
-        strain_p, strain_q = self.roll.strain_p[:n], self.roll.strain_q[:n]
+        # eps - eps+ at the points of the roll's face by its own loads
+        by_p = -c12 * self.fields.geometry.roll.face.hats - self.roll.strain_p
+        by_q = -self.roll.strain_q
         if self.equations.is_last:
-            # strains are relative to the end, where that of the web is -c12 p+
-            strain_p, strain_q = (
-                strain_p - self.roll.strain_p[-1],
-                strain_q - self.roll.strain_q[-1],
-            )
-        roll = web_strain[layout.first : layout.first + n] - self.chain_p_roll(strain_p)
-        if self.equations.is_last:
-            roll += c12 * self.dp_roll[-1]
-        roll[:, layout.roll_q] -= strain_q[:, 1:-1]
-        drum = web_strain[:m].copy()
+            by_p, by_q = by_p - by_p[-1], by_q - by_q[-1]
+        roll, drum = self.by_loads_on_roll(by_p[:n], by_q[:n]), np.zeros((m, layout.size))
+        # p+ strains the web in the cells of the nip
+        fraction = mesh.fraction[first:m, None]
+        drum[first:] = c12 * (fraction - 1) * self.dp_roll[: m - first]
+        drum[first:] -= c12 * fraction * self.dp_roll[1 : m - first + 1]
         drum[:, layout.drum_p] -= self.drum.strain_p[:m, layout.drum_p_nodes]
         drum[:, layout.drum_q] -= self.drum.strain_q[:m, 1:-1]
         drum[:, layout.xi] = 1.0
+        for block, cells in ((roll, slice(first, first + n)), (drum, slice(0, m))):
+            block[:, layout.roll_q] += stretch[cells, layout.roll_nodes]
+            block[:, layout.drum_q] += stretch[cells, layout.drum_nodes]
         return np.concatenate([roll, drum])

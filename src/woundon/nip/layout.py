@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ..elasticity.mesh import Mesh
 
 __all__ = ["Layout", "Unknowns"]
@@ -51,11 +49,13 @@ class Layout(Unknowns):
         Nodes at the leading and trailing edge of the nip, and the last node.
     drum_wrap_nodes, roll_wrap_nodes : slices
         Nodes of the wraps, with the edge of the nip.
-    p_nodes, roll_nodes, drum_nodes : int arrays
+    p_nodes, roll_nodes, drum_nodes : slices
         Nodes of p, q+ and q-.
+    roll_count : int
+        Number of tractions on the roll, which come first.
     drum_p, wrap_p : slices
         Indices in u of p- and, on the roll wrap, of p+.
-    drum_p_nodes, wrap_p_nodes : int arrays
+    drum_p_nodes, wrap_p_nodes : slices
         Their nodes.
     roll_q, drum_q : slices
         Indices in u of q+ and q-.
@@ -67,12 +67,12 @@ class Layout(Unknowns):
         self.roll_wrap_nodes = slice(self.last, self.end + 1)
         start = 0 if drum_wrap else self.first + 1
         stop = self.end + 1 if roll_wrap else self.last
-        self.p_nodes = np.arange(start, stop)
-        self.roll_nodes = np.arange(self.first + 1, self.end)
-        self.drum_nodes = np.arange(1, self.last)
-        super().__init__(self.p_nodes.size, self.roll_nodes.size + self.drum_nodes.size)
+        self.p_nodes = slice(start, stop)
+        self.drum_p_nodes, self.wrap_p_nodes = slice(start, self.last), slice(self.last, stop)
+        self.roll_nodes, self.drum_nodes = slice(self.first + 1, self.end), slice(1, self.last)
+        self.roll_count = self.end - self.first - 1
+        super().__init__(stop - start, self.roll_count + self.last - 1)
         self.drum_p = slice(0, self.last - start)
         self.wrap_p = slice(self.last - start, self.p.stop)
-        self.drum_p_nodes, self.wrap_p_nodes = self.p_nodes[self.drum_p], self.p_nodes[self.wrap_p]
-        first_drum_q = self.q.start + self.roll_nodes.size
+        first_drum_q = self.q.start + self.roll_count
         self.roll_q, self.drum_q = slice(self.q.start, first_drum_q), slice(first_drum_q, self.size)

@@ -168,7 +168,7 @@ def _zones_at_nodes(equations: NipEquations, active: Array) -> tuple[Array, Arra
     """
     layout = equations.layout
     roll, drum = np.zeros((2, layout.end + 1), dtype=np.int8)
-    k = layout.roll_nodes.size  # the tractions on the roll come first
+    k = layout.roll_count
     roll[layout.roll_nodes], drum[layout.drum_nodes] = active[:k], active[k:]
     roll[layout.first], roll[-1], drum[0] = roll[layout.first + 1], roll[-2], drum[1]
     return roll, drum

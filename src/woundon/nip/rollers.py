@@ -147,14 +147,15 @@ class RollerEquations(ContactEquations[RollerGeometry, RollerState]):
         if self.friction:
             q[1:-1] = u[layout.q]
         upper, lower = upper_side.surface.deform(p, q), lower_side.surface.deform(p, -q)
-        rows = np.append(self._gap_slope(u, a, upper, lower), self._drive_and_load(u, a, p, q))
+        drive_and_load = self._drive_and_load(u, a, p, q)
+        rows = np.concatenate([self._gap_slope(u, a, upper, lower), drive_and_load])
         if self.static:
             displacement = self._displacement(lower_side, lower, p, -q, a)
             node_slip = displacement - self._displacement(upper_side, upper, p, q, a) + u[layout.xi]
         else:
             # each node has the slip of the cell upstream of it, the first node that of its cell
             cell_slip = (lower.strain - upper.strain)[:-2] + u[layout.xi]
-            node_slip = np.append(cell_slip[:1], cell_slip)
+            node_slip = np.concatenate([cell_slip[:1], cell_slip])
         slip, traction, bound = np.zeros((3, 0))
         if self.friction:
             slip = node_slip[1:-1] / self.slip_scale

@@ -238,8 +238,7 @@ class _Linearisation:
         for column in self.system.ln_a:
             matrix[:, column] = self._along(np.eye(1, self.size, column)[0])[: self.size]
         matrix *= self.system.scales
-        self.row_size = np.abs(matrix).max(axis=1)
-        self.factors = lu_factor(matrix / self.row_size[:, None], check_finite=False)
+        self.factors = lu_factor(matrix, check_finite=False)
 
     def _at_ln_a(self, change: float) -> Array:
         """Return the unknowns, (size,), with every ln a changed."""
@@ -307,8 +306,8 @@ class _Linearisation:
         """
         du, total = np.zeros(self.size), by_input
         for _ in range(1 if self.problem.linear else STEPS_NONLINEAR):
-            right = total[: self.size] / self.row_size
-            du -= lu_solve(self.factors, right, check_finite=False) * self.system.scales
+            step = lu_solve(self.factors, total[: self.size], check_finite=False)
+            du -= step * self.system.scales
             total = by_input + self._along(du)
         return total
 

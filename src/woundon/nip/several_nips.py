@@ -342,7 +342,7 @@ class SeveralNips:
             curvature = face.curvature_change(slope, target.a, ends=False)
             on_wrap = T * curvature[nip_cells:]
             blocks.equilibrium[-2 - len(T) : -2, columns] -= on_wrap / nip.pressure_scale
-            n = nip.layout.roll_nodes.size
+            n = nip.layout.roll_count
             relative_strain = strain[:n]
             if nip.is_last:
                 relative_strain = relative_strain - strain[-1]
@@ -379,7 +379,7 @@ class SeveralNips:
             # dE_k: E less the strain c11 T_k(end)/2h, to which the slips of the nip are relative
             laid = coupling.laid_strain[columns]
             laid = laid - self.stretch * coupling.inlet_tensions[index + 1, columns]
-            blocks.slip[: nip.layout.roll_nodes.size, columns] -= laid / nip.slope_scale
+            blocks.slip[: nip.layout.roll_count, columns] -= laid / nip.slope_scale
 
     def _coupling(self, state: SeveralState, last: Assembly) -> _Coupling:
         """Return the derivatives that couple the nips, by all unknowns but ln a.

@@ -22,7 +22,6 @@ from ..arguments import Option, check_type, nodes_or_rtol, tolerance, whole_numb
 from ..contact.newton import NewtonFailed
 from ..contact.refinement import (
     FIRST_SIZES,
-    LOOSE,
     REPORTED,
     MeshSolution,
     Refinement,
@@ -235,7 +234,7 @@ def _refined(
             nodes=nodes,
             tolerances=tolerances,
             most_nodes=MOST_NODES_RTOL if rtol else max_nodes,
-            loose=(rtol or default) >= LOOSE,
+            rtol=rtol or default,
             start=known,
             # of the same problem only the coarse meshes are solved
             last=known.last if known and start and start.problem == problem else None,

@@ -21,7 +21,6 @@ from ..contact.newton import NewtonFailed
 from ..contact.refinement import (
     CHANGES,
     FINAL_TOLERANCE,
-    LOOSE,
     Refinement,
     Tolerances,
     refine,
@@ -125,7 +124,7 @@ def solve_rollers(
             nodes=nodes,
             tolerances=tolerances,
             most_nodes=DEFAULT_NODES if rtol is None else MOST_NODES,
-            loose=relative >= LOOSE,
+            rtol=relative,
             start=None if start is None else start.refinement,
             errors=errors,
             progress=progress,

@@ -24,7 +24,7 @@ from pydantic import (
 
 from ..errors import InvalidProblem
 from .inputs import FloatWithUnit, NotAList, is_array, read_text, real_number
-from .messages import not_one_of, quote
+from .messages import not_one_of, out_of_range, quote
 from .permitted import in_brackets, unit_of
 
 __all__ = [
@@ -128,11 +128,10 @@ def check_within(table: BaseModel, name: str, low: float, high: float) -> None:
     ------
     InvalidProblem
     """
-    unit = in_brackets(unit_of(type(table).model_fields[name]))
+    unit = unit_of(type(table).model_fields[name])
     for k, value in enumerate(getattr(table, name) or ()):
         if not low <= value <= high:
-            text = f"{quote(value)} is out of range; must be >= {low:g} and <= {high:g}{unit}"
-            raise InvalidProblem.at(f"{name}.{k}", text)
+            raise InvalidProblem.at(f"{name}.{k}", out_of_range(value, low, high, unit))
 
 
 def default(value: Any) -> Any:

@@ -24,7 +24,7 @@ from .free_strains import (
     expansion,
     swelling,
 )
-from .messages import quote
+from .messages import out_of_range
 from .permitted import ValuesWithin
 from .problem import Problem
 from .schedules import Curve, Schedule, misfits_on_roll, values_of
@@ -123,11 +123,10 @@ class FinishedRollProblem(Problem):
         """Yield (field, message) for changes out of range, or that do not reach the roll's ends."""
         ends = self.core.radius, self.radius
         for name, (largest, _) in FREE_STRAINS.items():
-            schedule, unit = getattr(self, name), "[K]" if name == "temperature_change" else "[1]"
+            schedule, unit = getattr(self, name), "K" if name == "temperature_change" else "1"
             for part, value in values_of(schedule).items():
                 if not abs(value) <= largest:
-                    text = f"must be >= {-largest:g} and <= {largest:g} {unit}"
-                    yield f"{name}{part}", f"{quote(value)} is out of range; {text}"
+                    yield f"{name}{part}", out_of_range(value, -largest, largest, unit)
             yield from misfits_on_roll(name, schedule, *ends)
 
     @property

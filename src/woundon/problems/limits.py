@@ -54,7 +54,7 @@ class Limits(Description):
 
     layer_friction: Annotated[
         OptionalNumber,
-        pure("mu_l", "interlayer friction coefficient", (0.1, 0.6)),
+        pure("mu_l", "interlayer friction coefficient of the wound roll", (0.1, 0.6)),
         Field(gt=0, le=10),
     ] = default(None)
     torque_share: Annotated[

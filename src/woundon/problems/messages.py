@@ -5,7 +5,8 @@ A description is an object that pydantic validates: a problem, a body, a materia
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from numbers import Real
 from reprlib import Repr
 from typing import Any, get_args, get_origin
@@ -16,9 +17,16 @@ from pydantic.fields import FieldInfo
 from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_of
 from ..quantities import DISPLAYED, members_of, quantity_of
 from .inputs import FloatWithUnit, NotAList, NotANumber, read_text
-from .permitted import admissible, admits, unit_of
+from .permitted import admissible, admits, in_brackets, unit_of
 
-__all__ = ["check_names", "no_such_field", "not_one_of", "quote", "validation_error"]
+__all__ = [
+    "check_names",
+    "no_such_field",
+    "not_one_of",
+    "out_of_range",
+    "quote",
+    "validation_error",
+]
 
 
 def validation_error(
@@ -112,7 +120,7 @@ def _fault(item: Any, name: str, field: FieldInfo) -> str:
     if isinstance(value, (str, FloatWithUnit)):
         value = read_text(value, name)
     value = value if isinstance(value, Real) else float(value)  # an array of no dimension
-    hint = _other_unit_hint(value, field)
+    hint = _other_unit_hint(value, unit_of(field), partial(admits, field))
     return f"{quote(value)} is out of range; must be {admissible(field)}{hint}"
 
 
@@ -179,14 +187,19 @@ def _words(field: FieldInfo) -> list[str]:
 _OTHER_UNITS = {"m": ("mm", "um"), "1": ("%",), "rad": ("deg",)}
 
 
-def _other_unit_hint(value: Any, field: FieldInfo) -> str:
+def out_of_range(value: float, low: float, high: float, unit: str) -> str:
+    """Return the message for a number that is not from low to high, all in the SI unit."""
+    hint = _other_unit_hint(value, unit, lambda number: low <= number <= high)
+    must = f"must be >= {low:g} and <= {high:g}{in_brackets(unit)}"
+    return f"{quote(value)} is out of range; {must}{hint}"
+
+
+def _other_unit_hint(value: Any, unit_of_field: str, permits: Callable[[float], bool]) -> str:
     """Return a hint if the number is in range in another unit (66 for 66 um)."""
-    if value < 1:  # 66 looks like um, 66e-6 does not
+    if abs(value) < 1:  # 66 looks like um, 66e-6 does not
         return ""
-    in_si = {unit: value * DISPLAYED[unit][1] for unit in _OTHER_UNITS.get(unit_of(field), ())}
-    fits = [
-        f"{value:g} {unit} is {number:g}" for unit, number in in_si.items() if admits(field, number)
-    ]
+    in_si = {unit: value * DISPLAYED[unit][1] for unit in _OTHER_UNITS.get(unit_of_field, ())}
+    fits = [f"{value:g} {unit} is {number:g}" for unit, number in in_si.items() if permits(number)]
     return f" (plain numbers are SI: {', '.join(fits)})" if fits else ""
 
 

@@ -57,7 +57,7 @@ Width = Annotated[
 
 # Fields that nips and windings share.
 RollFriction = Annotated[
-    Number, pure("mu+", "interlayer friction coefficient", (0.1, 0.6)), _FRICTION
+    Number, pure("mu+", "friction coefficient of web and roll", (0.1, 0.6)), _FRICTION
 ]
 DrumFriction = Annotated[
     Number, pure("mu-", "friction coefficient of web and drum", (0.1, 0.6)), _FRICTION

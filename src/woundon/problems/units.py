@@ -184,6 +184,8 @@ MILL = {
     "m/s": "fpm",
     "m/min": "fpm",
     "m/s^2": "ft/s^2",
+    "K": "degF",  # of a difference of temperatures, without an offset
+    "1/K": "1/degF",
     "kg/m": "lb/ft",
     "kg/m^3": "lb/ft^3",
     "N*m^2": "lbf*in^2",

@@ -37,7 +37,7 @@ from .free_strains import OF_WEB
 from .inertia import Inertia
 from .limits import Limits
 from .materials import Material, material
-from .messages import not_one_of, quote
+from .messages import not_one_of, out_of_range, quote
 from .next_nip import NextNip
 from .nip import (
     WRAP_TABLE,
@@ -516,14 +516,13 @@ class WindingProblem(FinishedRollProblem):
         if schedule is None or isinstance(schedule, str):
             return
         low, high = schedule_limits(name, has_winder=self.winder is not None)
-        unit = in_brackets(quantity_of_field(self, name).unit)
-        must = f"must be >= {low:g} and <= {high:g}{unit}"
+        unit, must = quantity_of_field(self, name).unit, "must be"
         if name == "nip_load" and not isinstance(schedule, Profile | Taper | Steps):
             if schedule == 0.0:  # without a nip
                 return
-            must = must.replace("must be", "must be 0, or")
+            must = "must be 0, or"
         wrong = [
-            (f"{name}{part}", f"{quote(value)} is out of range; {must}")
+            (f"{name}{part}", out_of_range(value, low, high, unit).replace("must be", must))
             for part, value in values_of(schedule).items()
             if not low <= value <= high
         ]
@@ -534,8 +533,10 @@ class WindingProblem(FinishedRollProblem):
             if not low <= value <= high:
                 at = f"at the radius {self.radius:.6g} [m]"
                 given = quote(getattr(schedule, schedule.field_of_law))
-                text = f"{given} is out of range; leaves {quote(value)}{unit} {at}"
-                yield f"{name}.{schedule.field_of_law}", f"{text}, {must}"
+                left = f"{quote(value)}{in_brackets(unit)} {at}"
+                must = f"must be >= {low:g} and <= {high:g}{in_brackets(unit)}"
+                text = f"{given} is out of range; leaves {left}, {must}"
+                yield f"{name}.{schedule.field_of_law}", text
 
     def _check_steady_state(self) -> None:
         """Reject a slack web on the drum wrap, and a winding force that exceeds the friction."""

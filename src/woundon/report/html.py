@@ -66,6 +66,8 @@ def symbol_html(symbol: str) -> str:
 
     >>> symbol_html("mu+ p"), symbol_html("T_in"), symbol_html("M_k,max")
     ('<i>&mu;</i><sup>+</sup> <i>p</i>', '<i>T</i><sub>in</sub>', '<i>M</i><sub>k,max</sub>')
+    >>> symbol_html("m V^2")
+    '<i>m</i> <i>V</i><sup>2</sup>'
     """
     return " ".join("/".join(map(_symbol, word.split("/"))) for word in symbol.split(" "))
 
@@ -95,14 +97,16 @@ _FORMULA = re.compile(rf"(?<![\w.'=/-])(?:(?:{_TERM}|WOT|NIT) [=+-] )*{_TERM}")
 
 
 def label_html(text: str) -> str:
-    """Return a text whose formulas are typeset, and not broken.
+    """Return a text whose formulas and units are typeset; a formula is not broken.
 
     >>> label_html("nip-induced tension, WOT - T_in")
     'nip-induced tension, <span style="white-space:nowrap">WOT - <i>T</i><sub>in</sub></span>'
     >>> label_html("winding force, F = -M2/R2")[15:]
     '<span style="white-space:nowrap"><i>F</i> = -<i>M</i><sub>2</sub>/<i>R</i><sub>2</sub></span>'
+    >>> label_html("acceleration = 0.5 m/s^2, inertia = 3 kg*m^2")
+    'acceleration = 0.5 m/s<sup>2</sup>, inertia = 3 kg·m<sup>2</sup>'
     """
-    return _FORMULA.sub(lambda match: _formula(match[0]), escape(text))
+    return _printed(_FORMULA.sub(lambda match: _formula(match[0]), escape(text)))
 
 
 def _formula(text: str) -> str:
@@ -116,6 +120,7 @@ def _formula(text: str) -> str:
 # units as they are printed
 _UNITS = (
     (r"\bum\b", "µm"),
+    (r"\bdeg([CF])\b", r"°\1"),
     (r"\*\*0\.5", "<sup>1/2</sup>"),
     (r"\*", "·"),
     (r"\^(\d)", r"<sup>\1</sup>"),
@@ -127,8 +132,14 @@ def unit_html(unit: str) -> str:
 
     >>> unit_html("um"), unit_html("kg/m^3"), unit_html("Pa/m**0.5"), unit_html("aluminium")
     ('µm', 'kg/m<sup>3</sup>', 'Pa/m<sup>1/2</sup>', 'aluminium')
+    >>> unit_html("-36 degF"), unit_html("N*m")
+    ('-36 °F', 'N·m')
     """
-    text = escape(unit)
+    return _printed(escape(unit))
+
+
+def _printed(text: str) -> str:
+    """Return an escaped text with its units as they are printed."""
     for pattern, printed in _UNITS:
         text = re.sub(pattern, printed, text)
     return text
@@ -196,7 +207,7 @@ def _row(row: TableRow, kinds: Sequence[str]) -> str:
         cells[-1] = f'<span style="{ALARM}">{text}</span>', style
     mark = ' class="differs"' if row.tone == "differs" else ""
     line = "".join(f'<td style="{style}">{text}</td>' for text, style in cells)
-    below = f'<td colspan="{len(cells)}" style="{LEFT};{QUIET}">{escape(row.below)}</td>'
+    below = f'<td colspan="{len(cells)}" style="{LEFT};{QUIET}">{label_html(row.below)}</td>'
     return f"<tr{mark}>{line}</tr>" + (f"\n<tr>{below}</tr>" if row.below else "")
 
 

@@ -2,7 +2,7 @@
 
 Of one state or of several: the answer with warnings and certificate, figures, results with errors,
 inputs with units and sources, version and date, and room for remarks.  A state takes at most two
-A4 pages.
+A4 pages; a winding three with more than two columns of panels, four with more than four.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from ..quantities import Place, quantity_of, scalar_outputs, walk
 from ..results import Result
 from .figures import figure_bytes
 from .html import parts_html, table_html
-from .outputs_report import LEFT_OUT
+from .outputs_report import LEFT_OUT, not_applicable
 from .plots import figures_of_columns
 from .report_parts import (
     Column,
@@ -47,6 +47,8 @@ __all__ = ["report_file"]
 
 # A column of panels is printed at half of its width; in a smaller figure its letters are larger.
 PRINTED = 0.88
+# Of more than two columns, which do not fit next to each other, the panels are less high.
+LOW = 0.8
 # of a drawing, what is no part of the picture
 _APART = re.compile(r"<metadata>.*?</metadata>|<!--.*?-->", re.DOTALL)
 
@@ -214,7 +216,10 @@ def _comparison(results: Sequence[Result], names: Sequence[str]) -> Iterator[str
 def _outputs(results: Sequence[Result]) -> Iterator[TableRow]:
     """Yield the rows of the outputs that all results have, with the differences from the first."""
     known = [scalar_outputs(result) for result in results]
-    left_out = LEFT_OUT | {f"{name}_error" for name in results[0].errors}
+    left_out = LEFT_OUT.union(
+        {f"{name}_error" for name in results[0].errors},
+        *(not_applicable(result.problem) for result in results),
+    )
     # the kind's main outputs first
     for name in dict.fromkeys((*results[0].MAIN, *known[0])):
         if name in left_out or not all(name in outputs for outputs in known):
@@ -258,10 +263,12 @@ def _figure(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     drawing = scale_drawing(results[0]) if len(results) == 1 else None
     if drawing is not None:
         yield _inline(drawing, "drawing to scale", 0)
-    yield '<div class="figures">'
+    many = len(figures) > 2
+    # of three the last one stands next to the other two
+    yield f'<div class="{"three" if len(figures) == 3 else "figures"}">'
     for number, (names_of_panels, figure) in enumerate(figures, 1):
         width, height = figure.get_size_inches()
-        figure.set_size_inches(PRINTED * width, PRINTED * height)
+        figure.set_size_inches(PRINTED * width, PRINTED * height * (LOW if many else 1))
         yield _inline(figure, names_of_panels, number)
     yield "</div>"
 

@@ -13,6 +13,7 @@ from ..problems.thickness_profile import ThicknessProfile
 from ..quantities import share
 from ..roll.lane_roll import LANE_QUANTITIES, NIP_LOADS, POSITION, slack_lanes
 from .lane_panels import DRUMS
+from .outputs_report import not_applicable
 from .report_parts import Row, Section, field_row, quantity_of, row_of
 
 __all__ = ["WORST_LANE", "lanes_sections"]
@@ -41,12 +42,12 @@ def lanes_sections(result: Any) -> Iterator[Section]:
     lanes, problem = result.lanes, result.problem
     if lanes is None:
         return
-    excess = lanes.thickness_excess.values
+    excess, without = lanes.thickness_excess.values, not_applicable(problem)
     rows = [
         *_range("thickness of the lanes relative to the mean", "d", excess),
         *_spread(problem.thickness_profile),
         *([field_row(problem, "oscillation")] if problem.oscillation else []),
-        *(_worst(result, name) for name in NAMES),
+        *(_worst(result, name) for name in NAMES if f"worst_lane.{name}" not in without),
         *_deflections(result),
     ]
     texts = [

@@ -10,6 +10,7 @@ from typing import Any
 from .. import kinds, quantities
 from ..problems.bodies import Body
 from ..problems.description import Description
+from ..problems.problem import Problem
 from ..quantities import Quantity
 from ..results import Result
 from .report_parts import Part, Row, Section, output_row, value_row
@@ -20,6 +21,7 @@ __all__ = [
     "approach_note",
     "field_rows",
     "is_half_plane",
+    "not_applicable",
     "outputs_report",
     "rows_of",
 ]
@@ -43,6 +45,14 @@ LEFT_OUT = frozenset(
         "series_error",
     }
 )
+
+# pressures on the core, which are zero without a core
+ON_CORE = frozenset({"core_pressure", "worst_lane.core_pressure"})
+
+
+def not_applicable(problem: Problem) -> frozenset[str]:
+    """Return the names of the outputs without a meaning: of pressures on a core that is removed."""
+    return ON_CORE if getattr(problem, "core_removed", False) else frozenset()
 
 
 def rows_of(

@@ -61,8 +61,8 @@ DIGITS = 5  # significant ones of a value
 MOST_LISTED = 8  # values of a field that are listed; more are given by their number and range
 _GREEK_NAMES = "alpha beta gamma delta Delta eps kappa mu nu omega rho sigma tau theta xi"
 GREEK = frozenset(_GREEK_NAMES.split())
-# factor, letter, number, index and sign of "2a", "mu+", "s_l+", "K1"
-SYMBOL = re.compile(r"(\d*)([A-Za-z]+?)(\d*)(?:_(\w+(?:,\w+)*))?([+-]?)")
+# factor, letter, number, index, and sign or exponent of "2a", "mu+", "s_l+", "K1", "V^2"
+SYMBOL = re.compile(r"(\d*)([A-Za-z]+?)(\d*)(?:_(\w+(?:,\w+)*))?\^?([+-]?|(?<=\^)\d)")
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from ..roll.result import RollResult
 from ..roll.theories import plateau_pressure
 from ..winding.result import WindingResult
 from .lanes_report import WORST_LANE, lanes_sections
-from .outputs_report import rows_of
+from .outputs_report import not_applicable, rows_of
 from .report_parts import (
     Line,
     Part,
@@ -80,11 +80,10 @@ def roll_report(result: RollResult) -> list[Part]:
     problem, r, hoop = result.problem, result.radius, result.hoop_stress
     stages, nodes = result.stage_radius.size - 1, r.size
     cost = f"{stages} stages, {nodes} nodes, {result.steps} linear systems"
-    names = [name for name in NAMES if problem.density is not None or name not in OF_DENSITY]
-    left_out = LEFT_OUT
-    if problem.core_removed:  # without a core there is no pressure on it
-        names.remove("core_pressure")
-        left_out = left_out | {"core_pressure"}
+    without = not_applicable(problem)
+    if problem.density is None:
+        without |= OF_DENSITY
+    names, left_out = [name for name in NAMES if name not in without], LEFT_OUT | without
     # a stress at core and surface, as a tension per width
     tensions = problem.tension_curve.at(r[[0, -1]]) * problem.web_thickness
     notes = {

@@ -11,7 +11,7 @@ from ..winding.result import WindingResult
 from .drives_report import DRIVE_OUTPUTS, drive_parts
 from .lanes_report import WORST_LANE, lanes_sections
 from .margins_report import margins_part
-from .outputs_report import rows_of
+from .outputs_report import not_applicable, rows_of
 from .report_parts import (
     Line,
     Part,
@@ -102,11 +102,10 @@ def winding_report(result: WindingResult) -> list[Part]:
     mass = ["mass"] if problem.density is not None else []
     air = ["air_film"] if problem.air is not None else []
     ridge = ["ridge_height"] if problem.gauge_excess else []
-    of_roll, left_out = ROLL, LEFT_OUT
-    if problem.is_changed:
-        of_roll = [*ROLL, "bore_hoop_stress", "bore_displacement"]
-    if problem.core_removed:  # without a core there is no pressure on it
-        of_roll, left_out = of_roll[1:], LEFT_OUT | {"core_pressure"}
+    without = not_applicable(problem)
+    left_out = LEFT_OUT | without
+    of_bore = ["bore_hoop_stress", "bore_displacement"] if problem.is_changed else []
+    of_roll = [name for name in (*ROLL, *of_bore) if name not in without]
     return [
         *([Line(summary, "quiet")] if summary else []),
         Section(

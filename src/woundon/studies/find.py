@@ -21,7 +21,7 @@ from ..errors import InvalidProblem, NoSolution, NotConverged, warn
 from ..problems.inputs import Inputs, read_number
 from ..problems.messages import quote
 from ..problems.paths import find_places, varied_value
-from ..problems.permitted import admissible, admits, extremes
+from ..problems.permitted import ValuesWithin, admissible, admits, extremes
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units
 from ..results import Result
@@ -40,6 +40,9 @@ __all__ = ["FindResult", "Solution", "find"]
 
 Array = np.ndarray
 
+# A search extends to so many times the usual changes of a finished roll: 200 K, beyond all
+# temperatures of paper and film.  The permitted 1000 K bound numbers, not temperatures.
+LARGEST_CHANGE = 5.0
 POINTS = 17  # of the scan: a factor of 1.33 between neighbours over two decades
 
 
@@ -236,7 +239,8 @@ def find(
         The range in which solutions are searched; SI or texts with units.  By default a decade on
         both sides of the present value, together with the range that is usual in practice; if it
         contains no solution, it is extended as far as the field permits while the output
-        approaches the target.
+        approaches the target; for changes of temperature and moisture to five times the usual
+        range, 200 K and 0.25.
     points : int
         Points of the scan, 3 to 1000.  Two solutions between neighbouring points are found only
         if the output shows a minimum or a maximum there.
@@ -358,6 +362,9 @@ def _interval(
                 text = f"{quote(end)} is out of range; must be {admissible(info)}"
                 raise InvalidProblem.at(where, text)
         return Interval(low, high, (lowest, highest), may_grow=False)
+    if quantity.typical and any(isinstance(part, ValuesWithin) for part in info.metadata):
+        largest = max(LARGEST_CHANGE * max(map(abs, quantity.typical)), 2 * abs(base or 0.0))
+        lowest, highest = max(lowest, -largest), min(highest, largest)
     low, high = _usual_range(base, (lowest, highest), quantity.typical)
     low, high = max(low, lowest), min(high, highest)
     if not (isfinite(low) and isfinite(high) and low < high):

@@ -147,10 +147,11 @@ class TensionCurve:
 
         It is the share of a nip-induced tension equal to the winding force F.
         """
-        schedule = self.problem.at
-        return np.asarray(
-            schedule("winding_force", r) / (self.problem.roll_friction * schedule("nip_load", r))
-        )
+        return np.asarray(self.problem.at("winding_force", r) / self._friction_limit(r))
+
+    def _friction_limit(self, r: Array) -> Array:
+        """Return mu+ P at radii [N/m], with their shape: NIT is y times this limit."""
+        return np.asarray(self.problem.roll_friction * self.problem.at("nip_load", r))
 
     def _slope(self, values: Mapping[float, float], distance: float) -> float:
         """Return dy/dx at a distance in x above the first place, by a difference quotient."""
@@ -173,16 +174,12 @@ class TensionCurve:
 
     def wound_on(self, shares: Array, r: Array) -> Array:
         """Convert shares y at radii [m] to WOT = T_in + y mu+ P [N/m], all of one shape."""
-        schedule = self.problem.at
-        return schedule("web_tension", r) + shares * self.problem.roll_friction * schedule(
-            "nip_load", r
-        )
+        return self.problem.at("web_tension", r) + shares * self._friction_limit(r)
 
     def share(self, tension: float, r: float) -> float:
         """Convert WOT [N/m] at a radius [m] to the friction share y = (WOT - T_in)/(mu+ P) [1]."""
-        schedule = self.problem.at
-        NIT = tension - float(schedule("web_tension", r))
-        return NIT / (self.problem.roll_friction * float(schedule("nip_load", r)))
+        NIT = tension - float(self.problem.at("web_tension", r))
+        return NIT / float(self._friction_limit(np.array(r)))
 
     def knots(self) -> Array:
         """Return the radii at which the tension is reported, linear in between.
@@ -262,8 +259,7 @@ class TensionCurve:
         ``value`` is the share there.
         """
         r = np.array(self.radius(place))
-        added = error * self.problem.roll_friction * self.problem.at("nip_load", r)
-        return float(added / self.wound_on(np.array(value), r))
+        return float(error * self._friction_limit(r) / self.wound_on(np.array(value), r))
 
     def interpolation_error(self, values: Mapping[float, float], r: Array, tension: Array) -> float:
         """Return the relative interpolation error of the reported tension between the nips.

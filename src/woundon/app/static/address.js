@@ -34,21 +34,53 @@ async function decode(code) {
 
 // ---- to the address ----
 
+function stateOf(store) {
+  const { kind, case: tables, system, tab, pins, others } = store.state;
+  return { kind, case: tables, system, tab, others, pins: pins.map((pin) => ({ label: pin.label, kind: pin.kind, case: pin.case })) };
+}
+
 /** Write the state into the address. */
 export async function writeAddress(store) {
-  const { kind, case: tables, system, tab, pins, others, past } = store.state;
+  const { tab, pins, past } = store.state;
   const isFirst = tab === "case" && !past.length && !pins.length; // the example of a new page
-  const state = { kind, case: tables, system, tab, others, pins: pins.map((pin) => ({ label: pin.label, kind: pin.kind, case: pin.case })) };
-  const code = isFirst ? "" : await encode(state);
+  const code = isFirst ? "" : await encode(stateOf(store));
   if (code.length > LONGEST) store.say(T.address.long);
   history.replaceState({ tab: store.state.tab }, "", code && code.length <= LONGEST ? `#${code}` : location.pathname + location.search);
+}
+
+// ---- a page that is left before the address has followed: encoding does not end before it is left ----
+
+const UNSAVED = "woundon.unsaved"; // of this tab
+
+function keepUnsaved(store) {
+  try {
+    sessionStorage.setItem(UNSAVED, JSON.stringify({ hash: location.hash, state: stateOf(store) }));
+  } catch { /* private windows */ }
+}
+
+/** Return the state with which this address was left, if the address does not hold it; it is kept no longer. */
+function takeUnsaved() {
+  try {
+    const { hash, state } = JSON.parse(sessionStorage.getItem(UNSAVED) ?? "{}");
+    sessionStorage.removeItem(UNSAVED);
+    return hash === location.hash ? state : undefined;
+  } catch {
+    return undefined;
+  }
 }
 
 /** Let the address follow the state, and the state follow back and forward. */
 export function keepAddress(store) {
   let { tab } = store.state;
   let timer = 0;
+  let unsaved = 0; // changes that the address does not hold
   let before = null;
+  const save = async () => {
+    clearTimeout(timer);
+    const count = unsaved;
+    await writeAddress(store);
+    unsaved -= count;
+  };
   history.replaceState({ tab }, "");
   store.listeners.add(() => {
     const { state } = store;
@@ -58,8 +90,12 @@ export function keepAddress(store) {
     if (state.tab !== tab) history.pushState({ tab: state.tab }, "");
     tab = state.tab;
     clearTimeout(timer);
-    timer = setTimeout(() => writeAddress(store), REST);
+    unsaved += 1;
+    timer = setTimeout(save, REST);
   });
+  addEventListener("visibilitychange", () => { if (document.hidden && unsaved) save(); });
+  addEventListener("pagehide", () => { if (unsaved) keepUnsaved(store); });
+  addEventListener("pageshow", ({ persisted }) => { if (persisted) takeUnsaved(); }); // this page has it
   addEventListener("popstate", async ({ state }) => {
     if (TABS.includes(state?.tab)) {
       tab = state.tab; // it is an entry already
@@ -93,9 +129,10 @@ async function isCase(store, kind, tables) {
 /** Restore what the address holds, and return true; a damaged one is rejected as a whole. */
 export async function restore(store, beforeShown = () => {}) {
   const code = location.hash.slice(1);
-  if (!code) return false;
+  const unsaved = takeUnsaved();
+  if (!code && !unsaved) return false;
   try {
-    const state = await decode(code);
+    const state = unsaved ?? await decode(code);
     if (!await isCase(store, state.kind, state.case)) throw new Error("no case");
     const others = {};
     for (const [kind, tables] of Object.entries(state.others ?? {})) if (await isCase(store, kind, tables)) others[kind] = tables;

@@ -5,7 +5,7 @@ import { html, useEffect, useMemo } from "./html.js";
 import { Label, Symbol } from "./symbols.js";
 import { T } from "./texts.js";
 import { plain, QuantityBox, readQuantity, useTyped } from "./quantity.js";
-import { digits, parsed } from "./units.js";
+import { digits, parsed, typeset } from "./units.js";
 
 const STEPS = 1000; // of a slider
 const LOGARITHMIC = 50; // the ratio of its ends from which a slider goes by ratios
@@ -22,7 +22,7 @@ export function Form({ store }) {
   return html`<form class="form" aria-label=${T.form.name} onSubmit=${(event) => event.preventDefault()}>
     ${kind.has_grades && html`<label class="grade">${T.form.grade}<select id="grade" value=${store.grade} onChange=${(event) => event.target.value && store.fillGrade(event.target.value)}>
       <option value="" selected=${!store.grade}>${T.form.chooseGrade}</option>
-      ${catalogue.grades.map(({ name, title }) => html`<option value=${name} selected=${name === store.grade}>${title.charAt(0).toUpperCase() + title.slice(1)}</option>`)}</select></label>`}
+      ${catalogue.grades.map(({ name, title }) => html`<option value=${name} selected=${name === store.grade}>${typeset(title.charAt(0).toUpperCase() + title.slice(1))}</option>`)}</select></label>`}
     ${groupsOf(catalogue, kind, T.groups).map((group, k) => html`<${Group} key=${`${kind.name}.${group.name}.${shut}`} ...${{ store, group, open: !narrow || (k === 0 && !shut) }} />`)}
   </form>`;
 }
@@ -207,7 +207,7 @@ function Member({ store, field, path, lone, holder }) {
         ${field.named && html`<optgroup label=${T.form.named}>${catalogue.materials.map(({ name }) => html`<option value=${`@${name}`} selected=${chosen === `@${name}`}>${name}</option>`)}</optgroup>`}
       </select>
     </div>`}
-    ${source && html`<p class="source">${source}</p>`}
+    ${source && html`<p class="source">${typeset(source)}</p>`}
     ${isNumber && html`<${NumberField} ...${{ store, path, field: { ...field, optional: false } }} />`}
     ${inner.map((one) => html`<${Field} key=${one.name} ...${{ store, path: `${path}.${one.name}`, field: held(one, field), holder: field }} />`)}
     <${Fault} path=${path} text=${isNumber ? "" : store.faultAt(path)} />`;

@@ -6,7 +6,7 @@ import { Fragment, html, useEffect, useMemo, useRef, useState } from "./html.js"
 import { isPlane, Plane } from "./plane.js";
 import { Label, Symbol, symbolText, wordsText } from "./symbols.js";
 import { T } from "./texts.js";
-import { digits } from "./units.js";
+import { digits, typeset } from "./units.js";
 import { headlines } from "./variables.js";
 
 const BARS = 9;
@@ -282,7 +282,7 @@ export function Sections({ store }) {
 function SectionValue({ store, row }) {
   const entry = Object.entries(store.catalogue.units).find(([, known]) => known.some((unit) => unit.name === row.unit));
   const valueText = row.value_text.replace(/^-/, "−");
-  if (typeof row.value !== "number" || !entry || !row.unit) return html`<td class="value">${valueText} ${row.error_text && `± ${row.error_text}`}</td><td class="unit-cell">${row.unit}</td>`;
+  if (typeof row.value !== "number" || !entry || !row.unit) return html`<td class="value">${valueText} ${row.error_text && `± ${row.error_text}`}</td><td class="unit-cell">${typeset(row.unit)}</td>`;
   const quantity = { unit: entry[0], shown_unit: row.unit };
   const { factor } = entry[1].find((unit) => unit.name === row.unit);
   const ratio = factor / store.units.of(quantity).factor;

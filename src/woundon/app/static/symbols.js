@@ -5,7 +5,7 @@ const GREEK = {
   alpha: "α", beta: "β", delta: "δ", Delta: "Δ", eps: "ε", gamma: "γ", kappa: "κ", mu: "μ", nu: "ν",
   rho: "ρ", sigma: "σ", tau: "τ", theta: "θ", xi: "ξ", omega: "ω",
 };
-const FORM = /^(\d*)([A-Za-z]+?)(\d*)(?:_(\w+(?:,\w+)*))?([+-]?)$/;
+const FORM = /^(\d*)([A-Za-z]+?)(\d*)(?:_(\w+(?:,\w+)*))?\^?([+-]?|(?<=\^)\d)$/;
 
 function parts(symbol) {
   const found = FORM.exec(symbol);
@@ -21,7 +21,7 @@ export function Symbol({ of }) {
     const p = parts(word);
     if (!p) return html`<i>${word}</i>`;
     return html`<i>${p.factor}${p.base}</i>${p.below && html`<sub>${p.below}</sub>`}${
-      p.sign && html`<sup>${p.sign === "-" ? "−" : "+"}</sup>`}`;
+      p.sign && html`<sup>${p.sign === "-" ? "−" : p.sign}</sup>`}`;
   });
 }
 
@@ -49,7 +49,7 @@ export function Label({ of }) {
   });
 }
 
-const RAISED = { "+": "⁺", "-": "⁻" };
+const RAISED = { "+": "⁺", "-": "⁻", 2: "²", 3: "³" };
 
 /** The symbol as plain text. */
 export function symbolText(symbol) {

@@ -1,8 +1,13 @@
 // Numbers are SI everywhere; here they become what people see, and back.
 import { T } from "./texts.js";
 
-/** A unit as it is printed: "um" -> "µm", "lb/ft^3" -> "lb/ft³", "Pa*s" -> "Pa·s". */
-const spelled = (unit) => ({ um: "µm", deg: "°" }[unit] ?? unit.replace("^2", "²").replace("^3", "³").replace("*", "·"));
+const RAISED = { 2: "²", 3: "³" };
+
+/** A text with its units as they are printed: "um" -> "µm", "lb/ft^3" -> "lb/ft³", "Pa*s" -> "Pa·s". */
+export const typeset = (text) => text.replace(/\bum\b/g, "µm").replace(/\bdeg([CF])\b/g, "°$1").replace(/m\*\*0\.5/g, "√m")
+  .replace(/(?<=[A-Za-z)])\^([23])(?!\d)/g, (_, power) => RAISED[power]).replace(/(?<=[A-Za-z²³])\*(?=[A-Za-z])/g, "·");
+
+const spelled = (unit) => (unit === "deg" ? "°" : typeset(unit));
 
 /** What a length without a field of its own is shown as, for instance a radius. */
 export const LENGTH = { unit: "m", shown_unit: "mm" };
@@ -25,7 +30,7 @@ const LEADING = /^(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?= )|)(.*)$/s;
 const NUMBERS = /(?<![*/]\s*)(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]*\s*[*/])(?!\w)/g;
 // Texts of results: numbers before their common unit, "23.4 mm", "2 and 3 GPa"
 const PLAIN = /[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?/g;
-const WITH_UNIT = new RegExp(`(?<![\\w.])(${PLAIN.source}(?:(?:, | to | and )${PLAIN.source})*) ([A-Za-z][\\w/^]*)(?![\\w/^*])`, "g");
+const WITH_UNIT = new RegExp(`(?<![\\w.])(${PLAIN.source}(?:(?:, | to | and )${PLAIN.source})*) ([A-Za-z][\\w/^*]*)(?![\\w/^*])`, "g");
 const USUAL = { m: "mm", Pa: "kPa", rad: "deg" };
 
 /** A quantity of an SI unit that no field has, e.g. a radius in a message. */
@@ -108,8 +113,15 @@ export class Units {
     return result;
   }
 
-  /** A message of the server in the shown units: its SI numbers stand before their unit, "0.5 [m]". */
+  /**
+   * A message of the server in the shown units: its SI numbers stand before their unit, "0.5 [m]".
+   * What it quotes stays as it was written.
+   */
   message(text, quantity = null) {
+    return this.converted(text, quantity).replace(/'[^']*'|[^']+/g, (part) => (part.startsWith("'") ? part : typeset(part)));
+  }
+
+  converted(text, quantity) {
     const [, first, rest] = LEADING.exec(text.replace(/ \(plain numbers are SI:[^)]*\)/, ""));
     const as = (unit) => (quantity?.unit === unit ? quantity : usual(unit));
     const shown = (value, of) => digits(this.shown(of, Number(value)), 6);
@@ -122,13 +134,13 @@ export class Units {
 
   /** A text of a result, such as a warning, in the shown units; the server writes it in the usual ones. */
   sentence(text) {
-    return text.replace(WITH_UNIT, (part, numbers, usualUnit) => {
+    return typeset(text.replace(WITH_UNIT, (part, numbers, usualUnit) => {
       const unit = this.system[usualUnit];
       if (!unit) return part;
       const ratio = this.product(usualUnit).factor / this.product(unit).factor;
       const count = (number) => Math.max(3, number.replace(/e.*|\D/g, "").replace(/^0+/, "").length);
       return `${numbers.replace(PLAIN, (number) => digits(Number(number) * ratio, count(number)))} ${spelled(unit)}`;
-    });
+    }));
   }
 
   /** "words [unit]" */

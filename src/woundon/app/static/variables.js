@@ -40,7 +40,9 @@ export function labelOf({ path, field }) {
 /** The outputs on cards: the kind's own, and those with an estimated error. */
 export function headlines(kind, result) {
   const { outputs } = result;
-  const scalars = kind.outputs.filter((output) => !output.array && outputs[output.name]?.value != null);
+  // without a core there is no pressure on it
+  const without = result.problem?.core_removed ? ["core_pressure", "worst_lane.core_pressure"] : [];
+  const scalars = kind.outputs.filter((output) => !output.array && outputs[output.name]?.value != null && !without.includes(output.name));
   const named = (names) => names.map((name) => scalars.find((output) => output.name === name)).filter(Boolean);
   const main = named(kind.main);
   const usual = named(T.order);
