@@ -368,7 +368,7 @@ def test_the_hint_and_what_is_left_out_are_those_of_the_case() -> None:
     assert of["removed"].radius == removed.core.radius
     assert "stiffer" not in of["removed"].hint
     assert ["moisture" in of[name].left_out for name in of] == [True, False, True]
-    assert of["removed"].distance == "3550 %"  # without an exponent
+    assert of["removed"].distance == "3730 %"  # without an exponent
 
 
 @pytest.mark.parametrize("change", [{"core_removed": True}, HEATED, COOLED])

@@ -117,7 +117,23 @@ ADDED_TO_SOME = (
 )
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in VERSION_0_3_1.glob("*.toml")))
+OF_VERSION_0_3_1 = sorted(path.stem for path in VERSION_0_3_1.glob("*.toml"))
+
+
+@pytest.mark.parametrize("name", ["roll", "winding"])
+def test_rolls_of_version_0_3_1_are_solved_again(name):
+    """Their pressures are those of infinitely thin layers."""
+    for ending in ("json", "nc"):
+        with pytest.warns(UserWarning, match="of woundon 0.3.1.*has been solved again"):
+            result = wo.load_result(VERSION_0_3_1 / f"{name}.{ending}")
+        assert result.problem == wo.load_case(VERSION_0_3_1 / f"{name}.toml")
+        saved = json.loads((VERSION_0_3_1 / f"{name}.json").read_text("utf-8"))["outputs"]
+        more = result.core_pressure / saved["core_pressure"] - 1
+        assert 0.02 < more < 0.06  # 4.9 and 4.0 % were stated as the effect of the layers
+        assert result.residuals.largest <= 1e-8
+
+
+@pytest.mark.parametrize("name", sorted({*OF_VERSION_0_3_1} - {"roll", "winding"}))
 def test_files_of_version_0_3_1_are_read_and_written_alike(tmp_path, name):
     """Its cases and results are read; written again they have the same values.
 
@@ -129,8 +145,7 @@ def test_files_of_version_0_3_1_are_read_and_written_alike(tmp_path, name):
     assert result.problem == wo.load_case(paths["toml"])
     written = to_toml(result.problem).splitlines(keepends=True)
     kept = paths["toml"].read_text("utf-8").splitlines(keepends=True)
-    of_winding = ADDED_TO_SOME if name == "winding" else ()
-    left_out = {*ADDED, *of_winding} - {line.partition(" ")[0] for line in kept}
+    left_out = {*ADDED} - {line.partition(" ")[0] for line in kept}
     known = [line for line in written if line.partition(" ")[0] not in left_out]
     # equals signs are aligned with the longest name, which may be one of the added fields
     assert [line.split() for line in known] == [line.split() for line in kept]

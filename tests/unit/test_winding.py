@@ -224,7 +224,7 @@ def test_the_roll_does_not_depend_on_where_the_winding_was_begun():
     )
     np.testing.assert_array_equal(one.radius, two.radius)
     # to what they agree, times what a turn leaves of a change, in steps of two turns
-    np.testing.assert_allclose(one.wound_on_tension, two.wound_on_tension, rtol=1e-6)
+    np.testing.assert_allclose(one.wound_on_tension, two.wound_on_tension, rtol=2e-6)
     P, Q = (run.roll.at_radius(one.radius)["pressure"] for run in (one, two))
     np.testing.assert_allclose(P, Q, atol=1e-6 * P.max())
 

@@ -324,10 +324,11 @@ class _TargetStages:
         self.layers, self.equations, self.target = layers, layers.equations, target
         self.known = known or {}  # stages with another tension, the initial guesses of these
         core = target.knots[:1]
-        P, Q = target.pressure(core), target.slope(core)
+        on_core, slope = target.pressure(core), target.slope(core)
         if layers.thickness:
-            P, Q = P - layers.own_pressure(core), Q - layers.own_slope(core, 1)
-        self.T_c = float((self.equations.core * P - Q)[0])
+            on_core = on_core - layers.own_pressure(core)
+            slope = slope - layers.own_slope(core, 1)
+        self.T_c = float((self.equations.core * on_core - slope)[0])
         self.solved: dict[float, tuple[Array, StageSolution]] = {}
         law, E_t = target.problem.stack.radial, target.problem.stack.tangential
         E = float(law.modulus(0.0))

@@ -131,6 +131,8 @@ class StageData:
     own : OwnPressure, optional
         At the nodes, then in mid-cell, (2 n + 1,) each; without it zero, in the limit of thin
         layers.
+    turn : float or (J,) array
+        Factor of B of a running roll, 1 if the web speed is that of the surface [1].
     gaps : (J - 1,) int array
         Last node of each stage but the last one, which is also the number of the gap behind it
         among the cells.
@@ -144,6 +146,7 @@ class StageData:
     gaps: Array = field(default_factory=lambda: np.zeros(0, dtype=int))
     laid_tension: float | Array = np.nan
     own: OwnPressure | None = None
+    turn: float | Array = 1.0
 
     @cached_property
     def firsts(self) -> Array:
@@ -304,9 +307,11 @@ class StageEquations:
 
     def _rotation_source(self, stage: StageData) -> CellSource:
         """Return (3 + nu) B in every cell [Pa], which a running roll adds to the source."""
-        depths, factor = stage.depths, 3 + self.poissons_ratio
+        depths, counts = stage.depths, stage.lasts - stage.firsts + 1
+        turn = np.repeat(stage.turn + np.zeros(counts.size), counts)
         B, middle_B = map(self.rotation_stress, (depths, depths[:-1] + stage.lengths / 2))
-        return CellSource(factor * B[:-1], factor * middle_B, factor * B[1:])
+        factor = (3 + self.poissons_ratio) * turn
+        return CellSource((factor * B)[:-1], factor[:-1] * middle_B, (factor * B)[1:])
 
     def _rotation_share(self, stage: StageData) -> Array:
         """Return c/T of the outermost layer of each stage, (J,) [1]; zero at rest."""
@@ -349,7 +354,7 @@ class StageEquations:
         out[1:-1:2] = P[1:] - P[:-1] - h / 6 * (Q[:-1] + 4 * middle_Q + Q[1:])
         out[2:-1:2] = Q[1:] - Q[:-1] - h / 6 * (left + 4 * middle + right)
         firsts, lasts = stage.firsts, stage.lasts
-        B = self.rotation_stress(stage.depths[firsts])
+        B = stage.turn * self.rotation_stress(stage.depths[firsts])
         out[2 * firsts] = np.where(
             stage.off_core,
             stage.total(P)[firsts],

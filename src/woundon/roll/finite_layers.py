@@ -78,12 +78,14 @@ def finite_layer_errors(result: RollFields) -> dict[str, float]:
     layers = layers_of(result.problem)
     # a layer's pressure decreases per layer below it by exp(-decrease)
     decrease = np.abs(2 + result.kappa(x)) * layers.thickness / r
-    # of the curve through the faces of the layers, at most its change from one face to the next
+    # of the curve through the faces of the layers, at most its second difference on three of them
     curvature = np.abs(np.gradient(result.pressure_gradient, x)) * (layers.thickness / r) ** 2 / 12
-    next_x = np.log(np.minimum(r + layers.thickness, r[-1]))
-    arrays = x, result.pressure, result.pressure_gradient
-    steps = np.abs(interpolate_pressure(*arrays, next_x)[0] - result.pressure)
-    size = np.minimum(curvature, steps) + SAFETY * np.maximum(
+    inner, middle, outer = (
+        interpolate_pressure(x, result.pressure, result.pressure_gradient, np.log(faces))[0]
+        for faces in (np.minimum(r + k * layers.thickness, r[-1]) for k in range(3))
+    )
+    curvature = np.minimum(curvature, np.abs(outer - 2 * middle + inner))
+    size = curvature + SAFETY * np.maximum(
         np.abs(change) * _higher_orders_of(change, result.pressure - change),
         layers.own_pressure(x) * _higher_orders(decrease),
     )

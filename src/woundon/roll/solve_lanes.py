@@ -314,15 +314,17 @@ def _finished(
         x = with_nodes(wound.x, changes.kinks)
         source = _between_nodes(source, wound.x, x)
         P, Q = interpolate_pressure(wound.x, P, Q, x)
+        shift = np.array([np.interp(x, wound.x, values) for values in X - wound.x])
         # r p = T h/2, and dp/d ln r + p = h T'/2
-        shift, rp, steepness = (
-            np.array([np.interp(x, wound.x, values) for values in each])
-            for each in (X - wound.x, np.exp(X) * p, own_slope + p)
+        r, middle = np.exp(X), (x[1:] + x[:-1]) / 2
+        (rp, slope), (rp_middle, _) = (
+            interpolate_pressure(wound.x, r * p, r * (own_slope + p), points)
+            for points in (x, middle)
         )
         X = x + shift
-        p, middle = rp / np.exp(X), np.exp((X[:, 1:] + X[:, :-1]) / 2)
-        own_slope = steepness - p
-        in_cells = np.append((rp[:, 1:] + rp[:, :-1]) / 2 / middle, np.zeros((len(p), 1)), axis=1)
+        p, in_cells = rp / np.exp(X), rp_middle / np.exp((X[:, 1:] + X[:, :-1]) / 2)
+        own_slope = slope / np.exp(X) - p
+        in_cells = np.append(in_cells, np.zeros((len(p), 1)), axis=1)
         pressure = np.concatenate([p.ravel(), in_cells.ravel()[:-1]])
         own = OwnPressure(pressure, layers.equations.strain(pressure))
 

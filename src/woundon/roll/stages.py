@@ -78,7 +78,16 @@ class Stage(NamedTuple):
         pressure, _ = interpolate_pressure(*arrays, np.log(r))
         middle = middle_of_layers(r, self.radius, self.thickness)
         P, Q = interpolate_pressure(*arrays, np.log(middle))
-        return pressure, self.centrifugal * (middle / self.radius[-1]) ** 2 - (P + Q)
+        rotation = self.centrifugal * turn_of(self.radius[-1], self.thickness)
+        return pressure, rotation * (middle / self.radius[-1]) ** 2 - (P + Q)
+
+
+def turn_of(surface: float | Array, thickness: float) -> Any:
+    """Return the factor of B of finished rolls, (J,) radii [m] [1].
+
+    The middle of the outermost layer has the web speed.
+    """
+    return (surface / (surface - thickness / 2)) ** 2
 
 
 def stresses_between(
@@ -209,7 +218,9 @@ def wound_stage(result: RollFields, *, at_rest: bool = False) -> Stage:
         layers = layers.at_rest
     T = curve.at(result.radius)
     own, source = layers.own(x), cell_source(curve, result.kappa, x)
-    data = StageData(x, source, float(T[0]), -layers.own_pressure(x[-1:]), own=own)
+    turn = turn_of(result.radius[-1], layers.thickness)
+    surface_pressure = -layers.own_pressure(x[-1:])
+    data = StageData(x, source, float(T[0]), surface_pressure, own=own, turn=turn)
     solved = layers.equations.solve(data, *_guess(result))
     if solved is None:
         raise NotConverged("the roll as wound could not be solved", result)
@@ -296,6 +307,7 @@ def _solve_stages(
     stage = StageData(x, cell_source(curve, growth, x), T_c, gaps=gaps, own=layers.own(x))
     if is_free:
         stage.surface_pressure = -layers.own_pressure(np.log(surfaces))
+        stage.turn = turn_of(np.array(surfaces), layers.thickness)
     solved = layers.equations.solve(stage, P, Q)
     if solved is None:
         radii = ", ".join(f"{surface:.6g}" for surface in surfaces)
