@@ -77,8 +77,9 @@ class TensionDesign:
     --------
     >>> import woundon as wo
     >>> design = wo.design_tension(wo.RollProblem.example(), "100 kPa")
-    >>> float(design.target_pressure[0]), bool(abs(design.pressure[0] / 100e3 - 1) < design.rtol)
-    (100000.0, True)
+    >>> middle = design.radius.size // 2
+    >>> bool(abs(design.pressure[middle] / 100e3 - 1) < design.rtol)
+    True
     """
 
     problem: RollProblem

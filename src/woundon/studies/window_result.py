@@ -128,7 +128,7 @@ class OperatingWindow(Outcome):
     ((33, 33), ('slip', 'blocking'))
     >>> point = window.at("300 N/m", "2 kN/m")
     >>> print(f"{point.probability:.1f}, limited by {point.binding}")
-    0.8, limited by blocking
+    0.7, limited by blocking
     """
 
     problem: WindingProblem
