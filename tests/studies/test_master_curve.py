@@ -278,6 +278,6 @@ def test_temperatures_are_shown_in_their_scale(scale: str) -> None:
     figure = curve.plot()
     moduli, shifts = figure.axes[:2]
     assert moduli.get_ylabel() == f"Moduli at 40 {scale} [MPa]"
-    assert shifts.get_xlabel() == f"Temperature $T$ [{scale}]"
+    assert shifts.get_xlabel() == f"Temperature $T$ [{scale.replace('deg', '°')}]"
     assert f"$T$ = 25 {scale}" in {line.get_label() for line in moduli.get_lines()}
     plt.close(figure)

@@ -17,6 +17,7 @@ from .equations import interpolate_pressure
 from .finished import (
     FinalChanges,
     additional_pressure,
+    core_gap,
     equations_of,
     finished_zones,
     layers_of,
@@ -29,7 +30,12 @@ from .stage_nodes import cell_source, evaluate_in_cells
 if TYPE_CHECKING:
     from ..problems.roll import RollProblem
 
-__all__ = ["finite_layer_errors", "finite_layer_stresses", "with_bore_displacement"]
+__all__ = [
+    "finite_layer_errors",
+    "finite_layer_stresses",
+    "is_surely_off_core",
+    "with_bore_displacement",
+]
 
 Array = np.ndarray
 
@@ -61,7 +67,11 @@ def finite_layer_stresses(result: RollFields) -> tuple[Array, Array]:
     never_on_core[0] = result.problem.core_removed or part[0] > 0
     found = solve_on_core(thin.equations, stage, P[part], Q[part], never_on_core)
     if found is None:
-        raise NotConverged("the roll in the limit of thin layers could not be solved", result)
+        text = (
+            "the roll in the limit of thin layers, for the error estimate, has no solution: "
+            "the stack at low pressure, or the core, is too soft for this tension"
+        )
+        raise NotConverged(text, result)
     thin_P, thin_Q = (zones.spread(values, x.size) for values in found[0][:2])
     middle = np.log(middle_of_layers(result.radius, result.radius, layers.thickness))
     return P - thin_P, result.hoop_stress + sum(interpolate_pressure(x, thin_P, thin_Q, middle))
@@ -76,26 +86,33 @@ def finite_layer_errors(result: RollFields) -> dict[str, float]:
     change, _ = finite_layer_stresses(result)
     r, x = result.radius, np.log(result.radius)
     layers = layers_of(result.problem)
+    h = layers.thickness
     # a layer's pressure decreases per layer below it by exp(-decrease)
-    decrease = np.abs(2 + result.kappa(x)) * layers.thickness / r
+    decrease = np.abs(2 + result.kappa(x)) * h / r
     # of the curve through the faces of the layers, at most its second difference on three of them
-    curvature = np.abs(np.gradient(result.pressure_gradient, x)) * (layers.thickness / r) ** 2 / 12
+    _, slope = additional_pressure(result)
+    curvature = np.abs(np.gradient(slope, x)) * (h / r) ** 2 / 12
     inner, middle, outer = (
         interpolate_pressure(x, result.pressure, result.pressure_gradient, np.log(faces))[0]
-        for faces in (np.minimum(r + k * layers.thickness, r[-1]) for k in range(3))
+        for faces in (np.minimum(r + k * h, r[-1]) for k in range(3))
     )
     curvature = np.minimum(curvature, np.abs(outer - 2 * middle + inner))
-    size = curvature + SAFETY * np.maximum(
+    higher_orders = SAFETY * np.maximum(
         np.abs(change) * _higher_orders_of(change, result.pressure - change),
         layers.own_pressure(x) * _higher_orders(decrease),
     )
+    size = curvature + higher_orders
+    # of P + r P'; the curvature jumps at kinks of the tension
+    slope = np.abs(np.gradient(higher_orders, x)) + _change_by_a_layer(r, h, curvature) * r / h
+    of_hoop = SAFETY * (size + slope)
     at_core = SAFETY * (_factor_at_core(result.problem) - 1)
     if not result.is_off_core:
         size[0] = max(size[0], abs(change[0]) * at_core)
     of_law, of_law_hoop = (LAW_SHARE * values for values in _change_by_mean_compression(result))
-    # of P + r P', which jumps by h/2 times the jump of T' where that is within a layer
+    # r P' jumps by h/2 times a jump of T', within a layer by no more than T changes there
     jump = np.abs(layers.own_slope(x, 1) - layers.own_slope(x, -1))
-    of_hoop = SAFETY * (size + np.abs(np.gradient(size, x))) + jump + of_law_hoop
+    jump = np.minimum(jump, _change_by_a_layer(r, h, layers.tension.at(r)))
+    of_hoop = of_hoop + of_law_hoop
     size = size + of_law
     # at a soft core r P' is determined by P
     of_hoop[0] = max(of_hoop[0], abs(1 + layers.equations.core) * size[0])
@@ -106,18 +123,43 @@ def finite_layer_errors(result: RollFields) -> dict[str, float]:
         near = (ends[0] <= r) & (r <= ends[1])
         return float(max(*np.interp(ends, r, values), *values[near]))
 
+    def of_layer(radius: float) -> float:
+        """Return the largest error of the hoop stress in the neighbourhood of a layer [Pa]."""
+        return largest(of_hoop, radius) + float(np.max(jump[np.abs(r - radius) <= h]))
+
     errors = {
         "peak_pressure": float(np.max(size)),
         "core_pressure": float(size[0]),
         "mid_pressure": largest(size, (r[0] + r[-1]) / 2),
-        "least_hoop_stress": largest(of_hoop, float(r[np.argmin(result.hoop_stress)])),
-        "bore_hoop_stress": largest(of_hoop, float(r[0])),
+        "least_hoop_stress": of_layer(float(r[np.argmin(result.hoop_stress)])),
+        "bore_hoop_stress": of_layer(float(r[0])),
     }
+    if is_surely_off_core(result, errors["bore_hoop_stress"]):
+        errors["core_pressure"] = 0.0
     errors = with_bore_displacement(result.problem, errors)
     # of the first layer, which pressed on the core with 2 p
     first = 2 * float(layers.own_pressure(x[:1])[0]) / result.problem.core.effective_stiffness
     errors["bore_displacement"] += float(r[0]) * first * at_core
     return errors
+
+
+def is_surely_off_core(result: RollFields, hoop_error: float) -> bool:
+    """Return True if the gap to the core is larger than it may be by an error of the bore.
+
+    The pressure on the core is then exactly zero.  ``hoop_error`` is that of the hoop stress at the
+    bore [Pa].
+    """
+    bore_error = result.problem.core.radius * hoop_error / result.problem.stack.tangential
+    # the gap is nan if the core is removed
+    return result.is_off_core and not core_gap(result) <= bore_error
+
+
+def _change_by_a_layer(r: Array, thickness: float, values: Array) -> Array:
+    """Return the larger change of values at radii (M,) to the layer below and above."""
+    outer, inner = (
+        np.interp(np.clip(r + step, r[0], r[-1]), r, values) for step in (thickness, -thickness)
+    )
+    return np.maximum(np.abs(outer - values), np.abs(values - inner))
 
 
 def with_bore_displacement(problem: RollProblem, errors: Mapping[str, float]) -> dict[str, float]:

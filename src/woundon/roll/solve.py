@@ -39,7 +39,12 @@ from .finished import (
     layers_of,
     surface_layer_depth,
 )
-from .finite_layers import NEIGHBOURHOOD, finite_layer_errors, with_bore_displacement
+from .finite_layers import (
+    NEIGHBOURHOOD,
+    finite_layer_errors,
+    is_surely_off_core,
+    with_bore_displacement,
+)
 from .lane_roll import FEWEST_LANES, LANES, MOST_LANES, LaneRoll
 from .result import RollResult
 from .solve_lanes import NipsAcross, solve_lanes
@@ -401,9 +406,7 @@ def _largest_errors(result: RollResult, pressure: Array, hoop: Array) -> dict[st
     )
     values = pressure, pressure[near_core], pressure[near_middle], hoop, hoop[near_core]
     errors = {name: float(np.max(part)) for name, part in zip(ESTIMATED, values, strict=True)}
-    # without contact the pressure is exactly 0, unless the gap may be an error of the bore
-    bore_error = core * errors["bore_hoop_stress"] / result.problem.stack.tangential
-    if result.is_off_core and not result.core_gap <= bore_error:  # nan if the core is removed
+    if is_surely_off_core(result, errors["bore_hoop_stress"]):
         errors["core_pressure"] = 0.0
     return errors
 

@@ -58,12 +58,13 @@ function keepUnsaved(store) {
   } catch { /* private windows */ }
 }
 
-/** Return the state with which this address was left, if the address does not hold it; it is kept no longer. */
+/** Return the state with which this page was left by a reload, if the address does not hold it; it is kept no longer. */
 function takeUnsaved() {
   try {
     const { hash, state } = JSON.parse(sessionStorage.getItem(UNSAVED) ?? "{}");
     sessionStorage.removeItem(UNSAVED);
-    return hash === location.hash ? state : undefined;
+    const [navigation] = performance.getEntriesByType("navigation");
+    return navigation?.type === "reload" && hash === location.hash ? state : undefined;
   } catch {
     return undefined;
   }
