@@ -133,6 +133,15 @@ def test_rolls_of_version_0_3_1_are_solved_again(name):
         assert result.residuals.largest <= 1e-8
 
 
+@pytest.mark.parametrize("change", [{"problem": 5}, {"problem": None}])
+def test_damaged_rolls_of_version_0_3_1_are_rejected(tmp_path, change):
+    record = json.loads((VERSION_0_3_1 / "roll.json").read_text("utf-8")) | change
+    path = tmp_path / "a[1]*'.json"
+    path.write_text(sealed({key: value for key, value in record.items() if value is not None}))
+    with pytest.raises(wo.InvalidProblem, match=r"a\[1\]\*'.json.*is not a result saved"):
+        wo.load_result(path)
+
+
 @pytest.mark.parametrize("name", sorted({*OF_VERSION_0_3_1} - {"roll", "winding"}))
 def test_files_of_version_0_3_1_are_read_and_written_alike(tmp_path, name):
     """Its cases and results are read; written again they have the same values.

@@ -157,7 +157,8 @@ def _dimensions(values: Mapping[str, Any]) -> dict[str, list[str]]:
 
 def is_of_thin_layers(record: Record) -> bool:
     """Return True for a roll or a winding of version 0.3, which computed them with thin layers."""
-    return record.get("kind") in ("roll", "winding") and str(record["version"]).startswith("0.3.")
+    of_roll = record.get("kind") in ("roll", "winding")
+    return of_roll and str(record.get("version")).startswith("0.3.")
 
 
 def solved_again(record: Record) -> Result:
@@ -168,12 +169,16 @@ def solved_again(record: Record) -> Result:
     InvalidProblem, NotConverged
     """
     kind = kinds.named(str(record["kind"]))
+    try:
+        problem = kind.problem(**record["problem"])
+    except (LookupError, TypeError):
+        raise InvalidProblem("is not a result saved by woundon, or is damaged") from None
     text = (
         f"the file is of woundon {record['version']}, whose pressures were those of infinitely "
         "thin layers; its problem has been solved again"
     )
     warnings.warn(text, UserWarning, stacklevel=4)
-    result: Result = kind.solver(kind.problem(**record["problem"]))
+    result: Result = kind.solver(problem)
     return result
 
 

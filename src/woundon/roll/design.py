@@ -53,7 +53,7 @@ FIRST_RADII = 40  # radii of the tension before refinement
 MAX_RADII = 4000
 ONE_SIDED = 1e-12  # of ln r
 INTERPOLATION_SHARE = 0.5  # of rtol: accepted interpolation error of the tension between radii
-REPETITION_SHARE = 0.1  # of rtol: accepted change of the tension by the last repetition
+REPETITION_SHARE = 0.5  # of rtol: accepted change of the tension by the last repetition
 SPAN = 4  # layers on either side, for the second derivative of the tension
 MOST_REPETITIONS = 12
 
@@ -170,8 +170,9 @@ def design_tension(
         stages = _TargetStages(layers, target, stages.solved)
     else:
         raise NotConverged(
-            "the layers are so thick that the tension is not found: its last change is "
-            f"{100 * last:.2g}%"
+            f"after {MOST_REPETITIONS} repetitions the tension still changes by {last:.2g} of it, "
+            f"more than rtol = {rtol:g} permits: it depends too much on the layer thickness; raise "
+            "rtol, or take thinner layers"
         )
     r = _radii(problem, x)
     WOT = T * problem.web_thickness
