@@ -481,7 +481,7 @@ def stoppable(finishing: str) -> Iterator[Callable[[], bool]]:
 
     def note(number: int, frame: types.FrameType | None) -> None:
         """Count Ctrl-C; the next one, or another signal, raises KeyboardInterrupt."""
-        if number != signal.SIGINT:  # its sender does not wait for the work in progress
+        if number != signal.SIGINT:  # a termination passed on: it does not wait for the work
             signal.default_int_handler(number, frame)
         pressed.append(number)
         signal.signal(signal.SIGINT, signal.default_int_handler)

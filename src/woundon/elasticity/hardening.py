@@ -43,6 +43,9 @@ Array = np.ndarray
 # Largest E_r of iterates, relative to E_t/nu^2, at which the stack would be incompressible.
 MAX_MODULUS = 0.95
 MIN_MODULUS = 0.05  # relative to zero pressure: a stack with a lower modulus is torn
+# Least f' of iterates relative to that without shear, and least G relative to that at the ends of
+# the law.
+LEAST_COMPLIANCE, LEAST_SHEAR = 0.1, 0.05
 MAX_ITERATIONS = 50  # of Newton's method for the pressure
 LAST_STEP = 1e-9  # of the pressure: the error after a step of Newton's method is its square
 
@@ -192,7 +195,8 @@ class HardeningLaw:
 
         f' = 1/E_r - nu^2/E_t - G'' gamma^2/2 and G = shear (E_r/E_r(P0))^beta.
 
-        Lower bounds keep f' and G positive for iterates outside the range of the law.
+        Lower bounds keep f' and G positive for iterates: f' where the shear strain gamma is large,
+        G far below the least pressure of the law.
         """
         radial, beta = self.radial, self.shear_exponent
         in_range = np.minimum(P, self.limit)
@@ -211,8 +215,8 @@ class HardeningLaw:
         E_second = difference / (2 * step)
         G_second = G * beta * E_second / E + G * rate * (rate - E_slope / E)
         G_second = np.where(in_range == P, G_second, 0.0)  # zero on the tangent
-        f_slope = np.maximum(f_slope - G_second * gamma**2 / 2, 0.1 * f_slope)
-        return f_slope, G * np.maximum(1 + rate * (P - in_range), 0.05), G * rate
+        f_slope = np.maximum(f_slope - G_second * gamma**2 / 2, LEAST_COMPLIANCE * f_slope)
+        return f_slope, G * np.maximum(1 + rate * (P - in_range), LEAST_SHEAR), G * rate
 
     def _strain(self, P: Array) -> Array:
         """Return F(P) of pressures of any shape, continued linearly above the limit."""

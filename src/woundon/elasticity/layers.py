@@ -325,7 +325,10 @@ class LayerSystems:
         return E, Q / (m * self.stress_scale), H * (m * self.stress_scale)
 
     def system_matrix(self, n: Array, h: Array) -> Array:
-        """Return M, h times the matrix of d/dy (w, t), t in n * stress_scale, (L, n, 4, 4)."""
+        """Return M, h times the matrix of d/dy (w, t), (L, n, 4, 4).
+
+        The stresses t are in m * stress_scale, m = max(n, 1).
+        """
         _, A_rr, _, A_rt, G, _ = self.values
         a, D, m = A_rt / A_rr, self.D, np.maximum(n, 1.0) * self.stress_scale
         M = np.zeros((*h.shape, 4, 4), dtype=self.values.dtype)
@@ -338,7 +341,7 @@ class LayerSystems:
         return M * h[..., None, None]
 
     def thin_layer_matrices(self, n: Array, h: Array) -> SectionMatrices:
-        """Return E, Q, H of layers of depth h, (2, 2, L, n), stresses in n * stress_scale.
+        """Return E, Q, H of layers of depth h, (2, 2, L, n), as of :meth:`system_matrix`.
 
         With the 2 x 2 blocks of (w1, t1) = e^M (w0, t0) and e^M - I = [[., N], [K, L]],
         t0 = (I + L)^-1 (t1 - K w0) gives A' = (I + L)^-1, H = A' K and Q = N A'.

@@ -35,9 +35,7 @@ def exhibits(solver: str) -> list[Exhibit]:
 
 def web_rate(web: wo.Web, tension: float, friction: float, theta: np.ndarray) -> np.ndarray:
     """Return d eps/d theta of a web that slips on an undeformed roll from a tension on [1/rad]."""
-    A_rr, A_tt, A_rt, *_ = web.material.stiffness
-    c11 = A_rr / (A_rr * A_tt - A_rt**2)
-    return c11 / web.thickness * tension * friction * np.exp(friction * theta)
+    return web.compliance.c11 / web.thickness * tension * friction * np.exp(friction * theta)
 
 
 @cache

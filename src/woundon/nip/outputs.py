@@ -11,7 +11,7 @@ eps_1 the strain of the roll's surface under nip and wrap and eps_closed that un
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -305,10 +305,18 @@ class NipSystem(NipEquations):
             "nip_induced_tension": float(f.geometry.a * mesh.weights @ (f.q_roll + f.q_drum)),
         }
 
-    def outputs(self, state: NipState, active: Array) -> dict[str, float]:
+    def outputs(
+        self, state: NipState, active: Array, names: Collection[str] = ()
+    ) -> dict[str, float]:
         """Return all outputs whose discretisation error is estimated, by name, in SI units.
 
-        ``active`` are the zones of the traction nodes, (k,).
+        Parameters
+        ----------
+        state : NipState
+        active : (k,) int array
+            Zones of the traction nodes.
+        names : collection of str
+            Those that are needed, if not all: others that take longer are left out.
         """
         layout, f = self.layout, state.fields
         a, mesh, T = f.geometry.a, f.geometry.mesh, f.tension
@@ -322,9 +330,11 @@ class NipSystem(NipEquations):
             "peak_pressure": float(f.p_drum.max()),
             "drum_creepage": drum_creepage(self, state),
             "offset": float(state.u[layout.shift] * self.problem.contact_radius),
-            "approach": approach(self, state),
-            **slip_ratios(self.problem, web_arrays(self, state, active), mesh.nip_nodes),
         }
+        if not names or "approach" in names:
+            out["approach"] = approach(self, state)
+        if not names or any(name in names for name in SLIP_RATIOS):
+            out |= slip_ratios(self.problem, web_arrays(self, state, active), mesh.nip_nodes)
         if self.roll_wrap:
             out["roll_wrap_traction"] = float(T[-1] - T[layout.last])
         if self.drum_wrap:

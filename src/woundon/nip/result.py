@@ -278,9 +278,10 @@ class NipResult(NipFields):
 
     @property
     def slip_zone(self) -> Zone:
-        """The way the web slips on the roll at the trailing edge; with a roll wrap, beyond it."""
-        if self.problem.roll_wrap > 0 and not self.slip_angle:
-            return Zone.STICK
+        """The way the web slips on the roll at the trailing edge.
+
+        With a roll wrap it is that of the slip which continues there on ``slip_angle``.
+        """
         return Zone(int(self.roll_zone[self.in_nip.stop - 1]))
 
     # ---- several nips ---------------------------------------------------------------------------

@@ -157,8 +157,7 @@ def contacts_of(result: NipFields) -> Iterator[RollContact]:
             angle=angle,
             nip_load=given.nip_load,
             winding_force=given.winding_force,
-            friction_ratio=abs(given.winding_force)
-            / ((given.drum_friction or problem.drum_friction) * given.nip_load),
+            friction_ratio=abs(given.winding_force) / (problem.drum_frictions[k] * given.nip_load),
             inlet_tension=float(result.tension[nip.start]),
             outlet_tension=float(result.tension[nip.stop - 1]),
             nip_width=2 * float(halves[k]),

@@ -103,9 +103,9 @@ def _slip_and_friction(
     scale = result.half_width / problem.contact_radius
     scale *= result.half_width if equations.static else 1.0
     recomputed_xi, slip = equations.slip(state)
+    slip = slip - recomputed_xi + xi  # with the xi of the result
     # a creepage that is not prescribed is, without friction, that of vanishing friction
     is_vanishing = not mu and problem.creepage is None
-    slip = slip - (recomputed_xi if is_vanishing else state.u[equations.layout.xi]) + xi
     prescribed = recomputed_xi if is_vanishing else problem.creepage
     ends, neighbours = [0, -1], [1, -2]
     zones_are_valid = (

@@ -41,6 +41,7 @@ reported one is the limit of vanishing friction, for which tractions mu p sgn(s)
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -357,10 +358,13 @@ class RollerEquations(ContactEquations[RollerGeometry, RollerState]):
         }
         return out if self.static else {**out, "creepage": self.slip(state)[0]}
 
-    def outputs(self, state: RollerState, active: Array) -> dict[str, float]:
+    def outputs(
+        self, state: RollerState, active: Array, names: Collection[str] = ()
+    ) -> dict[str, float]:
         """Return the outputs whose discretisation error is estimated, by name, in SI units.
 
-        ``active`` are the zones of the traction nodes, (k,).
+        ``active`` are the zones of the traction nodes, (k,), ``names`` those that are needed, if
+        not all: others that take longer are left out.
         """
         problem, a = self.problem, state.geometry.a
         xi, _ = self.slip(state)
@@ -369,16 +373,18 @@ class RollerEquations(ContactEquations[RollerGeometry, RollerState]):
             "nip_width": 2 * a,
             "peak_pressure": float(state.p.max()),
             "offset": float(state.u[self.layout.shift] * problem.contact_radius),
-            "approach": self.approach(state),
             "tangential_load": a * float(self.mesh.weights @ state.q),
         }
         if self.static:
             out["shift"] = self.rigid_displacement(state, xi)
         else:
             out["creepage"] = xi
-        slack = problem.friction * state.p - np.abs(state.q)
+        if not names or "approach" in names:
+            out["approach"] = self.approach(state)
         x = a * self.mesh.nodes
-        out["slip_share"] = slip_share(x, self.zones(state, active), self.slip(state)[1], slack)
+        if not names or "slip_share" in names:
+            slack = problem.friction * state.p - np.abs(state.q)
+            out["slip_share"] = slip_share(x, self.zones(state, active), self.slip(state)[1], slack)
         if problem.viscoelastic:
             assert problem.rolling_speed is not None
             out["rolling_resistance"] = dissipation(problem, work_on_rollers(state))

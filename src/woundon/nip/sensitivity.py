@@ -257,7 +257,7 @@ class _Linearisation:
         """Return the values of a problem at u, (value_count,); ``system`` holds its equations."""
         state, active = system.evaluate(u, INTERPOLATION), self.mesh.active
         residual, frictions = np.append(state.equilibrium, friction_residual(state, active)), []
-        found = dict(system.outputs(state, active))
+        found = system.outputs(state, active, self.outputs)
         if has_air(problem):
             film = film_of_state(problem, system, state)
             found |= {name: value_of(film, name.partition(".")[2]) for name in air_outputs()}
@@ -374,11 +374,14 @@ def _step_scale_of_nip(problem: NipProblem, name: str) -> float:
     """Return the size of a field of a nip that is zero, as of :func:`_step_scale`."""
     if name in ("winding_force", "web_tension"):
         return problem.drum_friction * problem.nip_load
-    if name == "air.permeance":  # the film that escapes is of the order of the roughness
+    # the film that escapes in a turn, 2 pi k T/V, is of the order of the roughness; 1 N/m stands
+    # for the tension of a web without any
+    if name == "air.permeance":
         assert problem.air is not None
         assert problem.web_speed is not None
         return problem.air.roughness * problem.web_speed / max(problem.web_tension, 1.0)
-    if name.endswith("cross"):  # A_rt of 0 is compared with the radial modulus of the web
+    # A_rt of 0 is compared with the radial modulus of the web: that of a roll may be a law
+    if name.endswith("cross"):
         return float(1 / problem.web.compliance.c22)
     return 1.0
 

@@ -28,7 +28,7 @@ E_k = E - c11 T_k(end)/2h, because slips are evaluated relative to the tension a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -440,7 +440,11 @@ class SeveralNips:
         )
 
     def fill_half_width_column(self, jacobian: Jacobian, state: SeveralState) -> None:
-        """Write the derivatives by each ln a, by difference quotients, into their columns."""
+        """Write the derivatives by each ln a, by difference quotients, into their columns.
+
+        A half width also changes how its nip deforms the faces of the other nips.  This is
+        neglected here: it only slows the convergence.
+        """
         coupling = self.coupling
         assert coupling is not None
         W = roll_wound_on_tension(self.nips[-1], state.nips[-1])
@@ -473,14 +477,16 @@ class SeveralNips:
             "nip_induced_tension": sum(tensions["nip_induced_tension"] for tensions in each),
         }
 
-    def outputs(self, state: SeveralState, active: Array) -> dict[str, float]:
+    def outputs(
+        self, state: SeveralState, active: Array, names: Collection[str] = ()
+    ) -> dict[str, float]:
         """Return all outputs whose discretisation error is estimated, by name, in SI units.
 
         Those of the first nip, of the whole web, and ``contacts.k.name`` of the further nips.
-        ``active`` are the zones of the traction nodes of all nips, (k,).
+        Parameters as of :meth:`.NipSystem.outputs`, with the zones of all nips.
         """
         each = [
-            nip.outputs(own, active[part])
+            nip.outputs(own, active[part], names)
             for nip, own, part in zip(self.nips, state.nips, self.tractions, strict=True)
         ]
         out = each[0] | self.main_outputs(state)

@@ -47,13 +47,13 @@ def single_nips(problem: NipProblem) -> SingleNips:
     angles = [further.angle for further in problem.next_nips]
     first = problem.replace(next_nips=(), roll_wrap=angles[0])
     alone = [first]
-    for further in problem.next_nips:
+    for further, friction in zip(problem.next_nips, problem.drum_frictions[1:], strict=True):
         alone.append(
             first.replace(
                 drum=further.drum,
                 nip_load=further.nip_load,
                 winding_force=further.winding_force,
-                drum_friction=further.drum_friction or problem.drum_friction,
+                drum_friction=friction,
                 drum_wrap=0.0,
             )
         )

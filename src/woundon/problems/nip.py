@@ -283,8 +283,7 @@ class NipProblem(ContactProblem):
                 f"of next_nips, and <= {high:.6g} [rad]",
             )
         for k, nip in enumerate(self.next_nips):
-            mu = self.drum_friction if nip.drum_friction is None else nip.drum_friction
-            capacity = mu * nip.nip_load
+            capacity = self.drum_frictions[k + 1] * nip.nip_load
             if not abs(nip.winding_force) < capacity:
                 raise NoSteadyState.at(
                     f"next_nips.{k}.winding_force",
@@ -383,6 +382,13 @@ class NipProblem(ContactProblem):
     def thinning(self) -> float:
         """-2h c22, thickness change of the unloaded web per pressure [m/Pa]."""
         return -self.web.thickness * self.web.compliance.c22
+
+    @property
+    def drum_frictions(self) -> tuple[float, ...]:
+        """mu- of the drum of each nip, the first one and those of ``next_nips``."""
+        mu = self.drum_friction
+        own = (nip.drum_friction for nip in self.next_nips)
+        return (mu, *(mu if each is None else each for each in own))
 
     @property
     def friction_on_wrap(self) -> float:

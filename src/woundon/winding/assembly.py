@@ -164,8 +164,10 @@ def _errors(result: WindingResult, first_layers: dict[str, float]) -> dict[str, 
         errors["mean_wound_on_tension"] = tension_error * result.mean_wound_on_tension
     for name in ROLL_OUTPUTS:
         roll_error, value = result.roll.errors.get(name, nan), getattr(result, name)
-        # the pressure in a roll is about proportional to the square of its tension
+        # the pressure in a roll is about proportional to the square of its tension, the other
+        # outputs to a smaller power of it
         errors[name] = roll_error + 2 * tension_error * abs(value) + first_layers.get(name, 0.0)
-    # the interpolation error near the core affects only the core pressure
+    # the interpolation error near the core affects only the core pressure, in proportion: it is
+    # that of a few layers, whose tension presses on the core directly
     errors["core_pressure"] += result.core_interpolation_error * result.core_pressure
     return errors
