@@ -111,7 +111,7 @@ def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
         (["--vary", "roll_friction", "--plot", "fit.bmp"], "bmp"),
         (["--vary", "roll_friction", "--plot", "no/fit.png"], "the folder 'no' does not exist"),
         (["--vary", "roll_friction", "--save", "fit.txt"], "the ending '.txt' must be .json"),
-        (["--vary", "roll.material.shear=-5 MPa:5 MPa"], "bounds: -5000000 is out of range"),
+        (["--vary", "roll.material.shear=-5 MPa:5 MPa"], "shear: -5000000 is out of range"),
         (
             ["--vary", "roll_friction", "--tie", "roll_friction=drum_friction"],
             "roll_friction: cannot be varied, because roll_friction is tied to drum_friction",

@@ -122,14 +122,20 @@ def test_an_interruption_gives_the_best_so_far(problem: wo.RollProblem) -> None:
 
 
 def test_schedules_that_cannot_be_wound_are_put_aside(problem: wo.RollProblem) -> None:
-    """A start of no tension is refused by the problem itself: the search goes on without it."""
+    """A core as large as the roll has no layers: the search goes on without such schedules."""
     found = wo.optimise_schedule(
-        problem, {START: (-400.0, 450.0)}, limits=wo.Limits(compression=300e3),
-        minimise="mid_pressure", options=COARSE,
+        problem.replace(**{"core.radius": 0.12}),
+        {"core.radius": (0.05, 0.14), "radius": (0.125, 0.2)},
+        limits=wo.Limits(compression=300e3), minimise="mid_pressure", options=COARSE,
     )  # fmt: skip
     assert np.isnan(found.reserves).any()
     assert found.feasible
-    assert 0 < found.values[0] < 350
+    assert found.values[0] < found.values[1]
+
+
+def test_a_range_beyond_that_of_the_field_is_rejected(problem: wo.RollProblem) -> None:
+    with pytest.raises(wo.InvalidProblem, match=r"start: -400 is out of range; must be > 0"):
+        wo.optimise_schedule(problem, {START: (-400.0, 450.0)}, limits=LIMITS)
 
 
 def test_a_schedule_is_drawn_before_and_after(best: wo.OptimisedSchedule, tmp_path: Path) -> None:

@@ -23,7 +23,7 @@ from ..io.case_files import check_like_a_case, make_problem
 from ..problems.bodies import Body
 from ..problems.messages import quote
 from ..problems.paths import find_places, varied_number
-from ..problems.permitted import admissible, extremes
+from ..problems.permitted import extremes
 from ..problems.problem import Problem
 from ..quantities import scalar_outputs, value_of, walk
 from ..report.answer import answer_lines, main_outputs
@@ -32,6 +32,7 @@ from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
 from ..sensitivity import Sensitivity
+from ..studies.api import range_in_si
 from ..studies.cases import Chunk
 from ..studies.columns import measurable_outputs
 from ..studies.find import find as find_values
@@ -404,7 +405,7 @@ def _usual_outputs(problem: Problem) -> tuple[str, ...]:
 def _ends(
     problem: Problem, field: str, base: float, low: float | None, high: float | None
 ) -> tuple[float, float]:
-    """Return the ends of the range of a curve, within the range that the field permits.
+    """Return the ends of the range of a curve.
 
     Parameters
     ----------
@@ -412,27 +413,23 @@ def _ends(
         The case, the varied field, and its value in the case [SI].
     low, high : float, optional
         The requested ends; by default half the value below and above it, and for a value of 0 half
-        of the usual range of the field.
+        of the usual range of the field, within the permitted range.
 
     Raises
     ------
     InvalidProblem
-        If ``low`` is not less than ``high``, or both are out of the permitted range.
+        If ``low`` is not less than ``high``, or the field does not permit one of them.
     """
     place = find_places(problem, field)[0]
     smallest, largest = (place.quantity.typical if place.quantity else None) or (-1.0, 1.0)
     half = abs(base) / 2 or (largest - smallest) / 2
-    low = base - half if low is None else low
-    high = base + half if high is None else high
-    if not low < high:
-        text = f"{quote(low)} is out of range; must be < high = {quote(high)}"
-        raise InvalidProblem.at("low", text)
     least, most = extremes(place.field)
-    if not max(low, least) < min(high, most):
-        name, value = ("high", high) if high < least else ("low", low)
-        text = f"{quote(value)} is out of range of {field}; must be {admissible(place.field)}"
-        raise InvalidProblem.at(name, text)
-    return max(low, least), min(high, most)
+    usual = max(base - half, least), min(base + half, most)
+    if low is None and high is None:
+        return usual  # another field may not permit an end, which is then a failure of the curve
+    return range_in_si(
+        problem, field, (usual[0] if low is None else low, usual[1] if high is None else high)
+    )
 
 
 def sensitivities(tables: Mapping[str, Any], options: Mapping[str, Any]) -> bytes:

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..arguments import check_arguments
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, NoSteadyState, unwarned
 from ..io.sheets import TableSource
-from ..problems.messages import quote
+from ..problems.inputs import is_array
 from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
 from .case_table import read_cases
-from .cases import Cases, check_number, make_cases
+from .cases import Cases, check_number, make_cases, read_range
 from .model import KindModel, model_of, solver_options
 from .progress import Progress
 from .run import Workers, run_study
@@ -196,6 +193,10 @@ def in_si(problem: Problem, over: Mapping[str, Any]) -> dict[str, Any]:
 def range_in_si(problem: Problem, name: str, ends: Any, where: str = "") -> tuple[float, float]:
     """Return the ends of a range of a field in SI; they may be texts with units.
 
+    An end is permitted if the problem with this value has no fault of the field itself.  Faults of
+    other fields depend on their values, which the study may vary too; and a load or force for
+    which no steady state exists in the problem may have one at other values of the other fields.
+
     Parameters
     ----------
     problem : Problem
@@ -208,7 +209,7 @@ def range_in_si(problem: Problem, name: str, ends: Any, where: str = "") -> tupl
     Raises
     ------
     InvalidProblem
-        If they are not two finite numbers low < high.
+        If they are not two finite numbers low < high, or the field does not permit one of them.
 
     Examples
     --------
@@ -217,15 +218,21 @@ def range_in_si(problem: Problem, name: str, ends: Any, where: str = "") -> tupl
     (50000.0, 100000.0)
     """
     where = where or name
-    pair = list(ends) if isinstance(ends, (list, tuple, np.ndarray)) else []
-    if len(pair) != 2:
-        raise InvalidProblem.at(where, f"{quote(ends)} is not a range; write (low, high)")
-    low, high = (
-        number_in_si(problem, name, end.item() if isinstance(end, np.generic) else end, where)
-        for end in pair
-    )
-    if not -inf < low < high < inf:
-        raise InvalidProblem.at(where, f"{quote(ends)} is not a range: must be low < high")
+
+    def number(end: Any) -> float:
+        """Return an end as a number in SI."""
+        return number_in_si(problem, name, end.item() if is_array(end) else end, where)
+
+    low, high, _ = read_range(where, ends, number)
+    for end in (low, high):
+        try:
+            with unwarned():
+                problem.replace(**{name: end})
+        except NoSteadyState:
+            continue
+        except InvalidProblem as fault:
+            if name in (reasons := dict(fault.faults)):
+                raise InvalidProblem.at(where, reasons[name]) from None
     return low, high
 
 

@@ -11,10 +11,10 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from math import ceil, log2, prod
+from math import ceil, inf, log2, prod
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -38,6 +38,7 @@ __all__ = [
     "check_number",
     "is_numeric",
     "make_cases",
+    "read_range",
     "table_of_cases",
 ]
 
@@ -313,6 +314,44 @@ def cases_in_ranges(ranges: Mapping[str, Any], points: Array, design: str = "tab
     return Cases(_frame(columns), design)
 
 
+def read_range(
+    where: str, ends: Any, number: Callable[[Any], float | None], *, may_be_log: bool = False
+) -> tuple[float, float, bool]:
+    """Return the ends of a range, and whether it is one of logarithms.
+
+    Parameters
+    ----------
+    where : str
+        Name of the range in an error message.
+    ends : sequence
+        (low, high), or (low, high, "log") for a uniform distribution of the logarithm.
+    number : callable
+        Converts an end into a number; None for a value that is none.
+    may_be_log : bool
+        Whether "log" is permitted.
+
+    Raises
+    ------
+    InvalidProblem
+        If they are not two numbers low < high, and > 0 with "log".
+
+    Examples
+    --------
+    >>> read_range("load", (1.0, 100.0, "log"), float, may_be_log=True)
+    (1.0, 100.0, True)
+    """
+    parts = list(ends) if isinstance(ends, (list, tuple, np.ndarray)) else []
+    is_log = may_be_log and len(parts) == 3 and parts[2] == "log"
+    low, high = map(number, parts[:2]) if is_log or len(parts) == 2 else (None, None)
+    if low is None or high is None:
+        forms = "(low, high) or (low, high, 'log')" if may_be_log else "(low, high)"
+        raise InvalidProblem.at(where, f"{quote(ends)} is not a range; write {forms}")
+    if not -inf < low < high < inf or (is_log and low <= 0):
+        must = "0 < low < high" if is_log else "low < high"
+        raise InvalidProblem.at(where, f"{quote(ends)} is not a range: must be {must}")
+    return low, high, is_log
+
+
 def _scaled_to_range(name: str, ends: Any, fractions: Array) -> Array:
     """Map fractions in [0, 1] onto the range of a drawn input.
 
@@ -334,16 +373,7 @@ def _scaled_to_range(name: str, ends: Any, fractions: Array) -> Array:
     >>> _scaled_to_range("load", (1.0, 100.0, "log"), np.array([0.0, 0.5]))
     array([ 1., 10.])
     """
-    parts = list(ends) if isinstance(ends, (list, tuple, np.ndarray)) else []
-    is_log = len(parts) == 3 and parts[2] == "log"
-    numbers = [number for end in parts[:2] if (number := _number_or_none(end)) is not None]
-    if not (len(parts) == 2 or is_log) or len(numbers) < 2 or not np.isfinite(numbers).all():
-        text = f"{quote(ends)} is not a range; write (low, high) or (low, high, 'log')"
-        raise InvalidProblem.at(name, text)
-    low, high = numbers
-    if not low < high or (is_log and low <= 0):
-        positive = "0 < " if is_log else ""
-        raise InvalidProblem.at(name, f"{quote(ends)} is not a range: must be {positive}low < high")
+    low, high, is_log = read_range(name, ends, _number_or_none, may_be_log=True)
     scaled = low * (high / low) ** fractions if is_log else low + (high - low) * fractions
     return np.asarray(scaled)
 

@@ -21,7 +21,7 @@ from ..errors import InvalidProblem, NoSolution, NotConverged, warn
 from ..problems.inputs import Inputs, read_number
 from ..problems.messages import quote
 from ..problems.paths import find_places, varied_value
-from ..problems.permitted import ValuesWithin, admissible, admits, extremes
+from ..problems.permitted import ValuesWithin, extremes
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units
 from ..results import Result
@@ -355,12 +355,7 @@ def _interval(
     info = find_places(problem, name)[0].field  # definition of the field, with its bounds
     lowest, highest = extremes(info)
     if between is not None:
-        where = f"between: {name}"
-        low, high = range_in_si(problem, name, between, where)
-        for end in (low, high):
-            if not admits(info, end):
-                text = f"{quote(end)} is out of range; must be {admissible(info)}"
-                raise InvalidProblem.at(where, text)
+        low, high = range_in_si(problem, name, between, f"between: {name}")
         return Interval(low, high, (lowest, highest), may_grow=False)
     if quantity.typical and any(isinstance(part, ValuesWithin) for part in info.metadata):
         largest = max(LARGEST_CHANGE * max(map(abs, quantity.typical)), 2 * abs(base or 0.0))

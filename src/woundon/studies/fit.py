@@ -129,8 +129,6 @@ def fit(
     bounds = _bounds(vary)
     parameters = tuple(_parameter(problem, name, ends) for name, ends in bounds.items())
     model.check_varied([*(p.name for p in parameters), *data.inputs])
-    for parameter in parameters:
-        _check_bounds(problem, parameter)
     _check_rows(problem, data)
     rows = (
         {name: float(values[row]) for name, values in data.inputs.items()}
@@ -196,20 +194,6 @@ def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:
             raise InvalidProblem.at(name, f"is {quote(base)}: give bounds for it")
         bounds = (base / 10, base * 10)
     return Parameter(name, *range_in_si(problem, name, bounds), base)
-
-
-def _check_bounds(problem: Problem, parameter: Parameter) -> None:
-    """Reject bounds outside the permitted range of the field."""
-    for end in (parameter.low, parameter.high):
-        try:
-            problem.replace(**{parameter.name: end})
-        except NoSteadyState:  # the fit admits points without a solution
-            continue
-        except InvalidProblem as fault:
-            # faults of other fields depend on their values, which rows or parameters may change
-            reasons = [text for field, text in fault.faults if field == parameter.name]
-            if reasons:
-                raise InvalidProblem.at(parameter.name, f"bounds: {reasons[0]}") from None
 
 
 def _check_rows(problem: Problem, data: Observations) -> None:

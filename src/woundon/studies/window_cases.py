@@ -25,11 +25,10 @@ from ..arguments import check_arguments
 from ..errors import InvalidProblem, one_of
 from ..problems.grades import Grade, grade
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, get_field, varied_number
-from ..problems.permitted import in_brackets
+from ..problems.paths import get_field, varied_number
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Steps, Taper
-from ..problems.winding import SCHEDULES, WindingProblem, schedule_limits
+from ..problems.winding import SCHEDULES, WindingProblem
 from ..quantities import Quantity, scalar_outputs
 from ..results import Result
 from .api import range_in_si
@@ -150,38 +149,18 @@ def ranges_of(
 
 def _range_of(problem: WindingProblem, name: str, ends: Any) -> tuple[float, float]:
     """Return the range of a set point in SI units, within that of its field or schedule."""
-    low, high = range_in_si(problem, name, ends)
-    if name in SCHEDULES:
-        least, most = schedule_limits(name, has_winder=problem.winder is not None)
-        if outside := [end for end in (low, high) if not least <= end <= most]:
-            quantity = field_quantity(problem, name)
-            must = f">= {least:g} and <= {most:g}{in_brackets(quantity.unit) if quantity else ''}"
-            raise InvalidProblem.at(name, f"{quote(outside[0])} is out of range; must be {must}")
-        schedule = get_field(problem, name)
-        if isinstance(schedule, Profile | Steps):
-            if float(problem.curve(name).at(np.array(problem.core.radius))) == 0.0:
-                text = "is 0 at the core; must not be 0 there, as its values are scaled to those of"
-                raise InvalidProblem.at(name, f"{text} the range")
-        elif isinstance(schedule, str):  # the name of a law of the wound-on tension
-            varied_number(problem, name)
-    else:
+    schedule = get_field(problem, name)
+    if name not in SCHEDULES or isinstance(schedule, str):  # the name of a law of the tension
         varied_number(problem, name)
-        for end in (low, high):
-            _check_end(problem, name, end)
+    low, high = range_in_si(problem, name, ends)
+    if name == "nip_load" and low == 0.0:
+        text = "0 is out of range; must be > 0, as the friction of the nip is a share of its load"
+        raise InvalidProblem.at(name, text)
+    is_curve = isinstance(schedule, Profile | Steps)
+    if is_curve and float(problem.curve(name).at(np.array(problem.core.radius))) == 0.0:
+        text = "is 0 at the core; must not be 0 there, as its values are scaled to those of"
+        raise InvalidProblem.at(name, f"{text} the range")
     return low, high
-
-
-def _check_end(problem: WindingProblem, name: str, end: float) -> None:
-    """Reject an end of a range that the field does not permit in this problem.
-
-    An end at which another field is at fault, such as a load that the drum does not carry, may be
-    admissible at other set points.
-    """
-    try:
-        problem.replace(**{name: end})
-    except InvalidProblem as fault:
-        if name in dict(fault.faults):
-            raise
 
 
 # ---- problems -----------------------------------------------------------------------------------
