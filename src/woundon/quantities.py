@@ -56,6 +56,7 @@ __all__ = [
     "length",
     "line_load",
     "members_of",
+    "numbers_of",
     "output",
     "outputs",
     "pattern",
@@ -406,6 +407,20 @@ def walk(thing: object, prefix: str = "", of_field: Quantity | None = None) -> I
             yield from _walk_annotation(Place(path, quantity, field, cls))
         else:
             yield from _walk_value(Place(path, quantity, field, cls, getattr(thing, name)))
+
+
+def numbers_of(description: object) -> dict[str, Place]:
+    """Return the numbers with a unit in a description by dotted name, without items of lists.
+
+    >>> import woundon as wo
+    >>> list(numbers_of(wo.RollerProblem.example().upper.material))
+    ['youngs_modulus', 'poissons_ratio']
+    """
+    return {
+        place.path: place
+        for place in walk(description)
+        if isinstance(place.value, float) and place.quantity is not None
+    }
 
 
 def _walk_value(place: Place) -> Iterator[Place]:

@@ -31,15 +31,13 @@ from ..report.report_parts import Section, certificate_of, friction_bounds, zone
 from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
-from ..sensitivity import Sensitivity
 from ..studies.api import range_in_si
 from ..studies.cases import Chunk
 from ..studies.columns import measurable_outputs
 from ..studies.find import find as find_values
-from ..studies.measurements import Observable, predict
 from ..studies.model import KindModel, model_of, quantities_of
 from ..studies.run import solve_chunk
-from ..studies.slopes import slopes
+from ..studies.slopes import derivatives
 from ..winding.margins import FIELDS, Margin
 from .input_forms import quantity_schema, tables_of
 from .json_texts import records, to_json
@@ -440,37 +438,12 @@ def sensitivities(tables: Mapping[str, Any], options: Mapping[str, Any]) -> byte
     problem = problem_of(tables)
     result = solved(problem, options)
     is_exact = hasattr(result, "sensitivity")
-    derivatives: Sensitivity = result.sensitivity() if is_exact else _differences(result, options)
-    largest_first = derivatives.sorted()
+    # the options are those of the differences; exact derivatives are those of the solved equations
+    used = {} if is_exact else checked_options(kinds.of(problem), options)
+    largest_first = derivatives(result, **used).sorted()
     return to_json(
         {
             "method": "exact" if is_exact else "differences",
             **{name: getattr(largest_first, name) for name in DERIVATIVES},
         }
-    )
-
-
-def _differences(result: Result, options: Mapping[str, Any]) -> Sensitivity:
-    """Return the derivatives with respect to all numbers that are not 0, by central differences.
-
-    Fields for which no derivative was obtained are left out.
-    """
-    problem = result.problem
-    outputs = _usual_outputs(problem)
-    options = checked_options(kinds.of(problem), options)
-    model = model_of(problem, outputs, tie={}, options=options)
-    fields = {
-        place.path: place.value
-        for place in walk(problem)
-        if isinstance(place.value, float) and place.quantity is not None and place.value
-    }
-    observables = [Observable(output) for output in outputs]
-    derivatives = slopes(model, result, observables, list(fields), nan_if_unsolved=True)
-    is_solved = np.isfinite(derivatives).any(axis=0)  # by field; derivatives: (outputs, fields)
-    return Sensitivity(
-        outputs=outputs,
-        parameters=tuple(np.array(list(fields))[is_solved].tolist()),
-        derivatives=derivatives[:, is_solved],
-        values=np.array([predict(result, observable) for observable in observables]),
-        fields=np.array(list(fields.values()))[is_solved],
     )

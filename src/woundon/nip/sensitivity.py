@@ -34,12 +34,12 @@ from ..problems.contact_problem import ContactProblem
 from ..problems.nip import NipProblem
 from ..problems.paths import get_field
 from ..problems.rollers import RollerProblem
-from ..quantities import scalar_outputs, value_of, walk
+from ..quantities import numbers_of, scalar_outputs, value_of, walk
 from ..results import Result
 from ..sensitivity import Sensitivity
 from .entrained_air import AirFilm, film_of_state
 
-__all__ = ["contact_sensitivity", "continuous_fields"]
+__all__ = ["contact_sensitivity"]
 
 Array = np.ndarray
 
@@ -64,11 +64,6 @@ def air_outputs() -> tuple[str, ...]:
 def has_air(problem: ContactProblem) -> TypeGuard[NipProblem]:
     """Return True for a nip with entrained air."""
     return isinstance(problem, NipProblem) and problem.air is not None
-
-
-def continuous_fields(problem: ContactProblem) -> dict[str, float]:
-    """Return every continuous field of a problem by its dotted name."""
-    return {place.path: place.value for place in walk(problem) if isinstance(place.value, float)}
 
 
 def _list_items(problem: ContactProblem) -> dict[str, float]:
@@ -101,7 +96,7 @@ def _inputs_of(
     InvalidProblem
         For a name that is not a continuous field, and for an excluded field, with the reason.
     """
-    known = continuous_fields(problem)
+    known = {name: place.value for name, place in numbers_of(problem).items()}
     if not parameters:
         return {name: value for name, value in known.items() if name not in excluded}
     if not known.keys() >= set(parameters):

@@ -27,7 +27,7 @@ import numpy as np
 from ..errors import InvalidProblem, NotConverged
 from ..problems.paths import get_field, is_part_of, parts_of
 from ..problems.problem import Problem
-from ..quantities import pure, walk
+from ..quantities import numbers_of, pure
 from ..results import Result
 from .compare_result import Comparison, Explanation
 from .measurements import PRESSURE, RADIUS, TAB, TAB_FORCE, predict
@@ -84,11 +84,10 @@ class InputEffects:
         self.model, self.size, self.solved = model, size, solved
         left_out = (*measured, *model.tie)
         self.quantities = {
-            place.path: place.quantity
-            for place in walk(model.problem)
-            if isinstance(place.value, float) and place.value and place.quantity is not None
-            if not place.path.endswith("radius")
-            if not any(is_part_of(place.path, name) for name in left_out)
+            path: place.quantity
+            for path, place in numbers_of(model.problem).items()
+            if place.value and not path.endswith("radius")
+            if not any(is_part_of(path, name) for name in left_out)
         }
 
     @cached_property

@@ -11,7 +11,7 @@ A central difference becomes one-sided where one side is not permitted or has no
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from math import isfinite, nan
@@ -23,6 +23,7 @@ from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, unwarned
 from ..problems.paths import get_field, varied_number
 from ..problems.problem import Problem
+from ..quantities import numbers_of, scalar_outputs, value_of
 from ..results import Result
 from ..sensitivity import Sensitivity
 from .measurements import Observable, predict
@@ -207,7 +208,8 @@ def derivatives(result: Result, *parameters: str, **options: Any) -> Sensitivity
     ----------
     result : Result
     parameters : str
-        Dotted names (``"lower.material.prony.0.time"``).
+        Dotted names (``"lower.material.prony.0.time"``); by default all numbers of the problem, of
+        differences those that are not 0 and for which one side can be solved.
     options
         Of the solver, for differences; by default the number of nodes of the result.
 
@@ -218,9 +220,9 @@ def derivatives(result: Result, *parameters: str, **options: Any) -> Sensitivity
     Raises
     ------
     InvalidProblem
-        If the first argument is not a result, no field is named, or a field is not a number or 0.
+        If the first argument is not a result, or a named field is not a number or 0.
     NoSteadyState, NotConverged
-        If neither side can be solved.
+        If neither side can be solved for a named field.
 
     Examples
     --------
@@ -237,18 +239,34 @@ def derivatives(result: Result, *parameters: str, **options: Any) -> Sensitivity
     if not options and hasattr(result, "sensitivity"):
         sensitivity: Sensitivity = result.sensitivity(*parameters)
         return sensitivity
-    if not parameters:
-        raise InvalidProblem.at("parameters", "missing; must be names of fields")
-    fields = np.array([_continuous_field(result.problem, name) for name in parameters])
-    known = {name: getattr(result, name, None) for name in (*result.MAIN, *result.errors)}
     # main outputs and those with an error estimate, if they are numbers in this result
-    outputs = tuple(n for n, value in known.items() if isinstance(value, float) and isfinite(value))
+    outputs = _finite_numbers(result, (*result.MAIN, *result.errors))
+    outputs = outputs or _finite_numbers(result, scalar_outputs(result))
+    numbers = {name: place.value for name, place in numbers_of(result.problem).items()}
+    fields = {name: _continuous_field(result.problem, name) for name in parameters}
+    fields = fields or {name: value for name, value in numbers.items() if value}
     model = model_of(result.problem, outputs, None, options)
     if options:  # the base of the differences needs them too
         result = solve_case(model, {}, result)
-    columns = slopes(model, result, [Observable(name) for name in outputs], parameters, exact=False)
-    values = np.array([float(getattr(result, name)) for name in outputs])
-    return Sensitivity(outputs, parameters, columns, values, fields)
+    observables = [Observable(name) for name in outputs]
+    columns = slopes(
+        model, result, observables, list(fields), exact=False, nan_if_unsolved=not parameters
+    )
+    is_known = np.full(len(fields), True) if parameters else np.isfinite(columns).any(axis=0)
+    return Sensitivity(
+        outputs=outputs,
+        parameters=tuple(np.array(list(fields))[is_known].tolist()),
+        derivatives=columns[:, is_known],
+        values=np.array([predict(result, observable) for observable in observables]),
+        fields=np.array(list(fields.values()))[is_known],
+    )
+
+
+def _finite_numbers(result: Result, names: Iterable[str]) -> tuple[str, ...]:
+    """Return those of some outputs that are finite numbers in this result."""
+    known = scalar_outputs(result)
+    values = {name: value_of(result, name) for name in names if name in known}
+    return tuple(n for n, value in values.items() if isinstance(value, float) and isfinite(value))
 
 
 def _continuous_field(problem: Problem, name: str) -> float:
