@@ -409,7 +409,7 @@ def walk(thing: object, prefix: str = "", of_field: Quantity | None = None) -> I
             yield from _walk_value(Place(path, quantity, field, cls, getattr(thing, name)))
 
 
-def numbers_of(description: object) -> dict[str, Place]:
+def numbers_of(description: object) -> dict[str, float]:
     """Return the numbers with a unit in a description by dotted name, without items of lists.
 
     >>> import woundon as wo
@@ -417,7 +417,7 @@ def numbers_of(description: object) -> dict[str, Place]:
     ['youngs_modulus', 'poissons_ratio']
     """
     return {
-        place.path: place
+        place.path: place.value
         for place in walk(description)
         if isinstance(place.value, float) and place.quantity is not None
     }

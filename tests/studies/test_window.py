@@ -20,7 +20,7 @@ from woundon.cli.commands import main
 from woundon.io.case_files import to_toml
 from woundon.report.study_panels import window_panels
 from woundon.studies.window import BETWEEN
-from woundon.studies.window_cases import window_model, with_value
+from woundon.studies.window_cases import spreads_and_ties, window_model, with_value
 from woundon.studies.window_map import (
     MarginMap,
     SetPoints,
@@ -271,6 +271,14 @@ def test_set_points_that_are_rejected(ranges, message):
 def test_schedules_that_have_no_set_point(changes, ranges, message):
     with pytest.raises(wo.InvalidProblem, match=message):
         wo.operating_window(winding(**changes), T, vary=ranges, uncertain={"core.stiffness": 0.1})
+
+
+def test_spreads_may_be_in_percent():
+    """As spread= of wo.compare and unknown= of wo.next_measurements."""
+    spreads, _ = spreads_and_ties(winding(), {"roll_friction": "15 %", "nip_load": 0.05}, None)
+    assert (spreads["roll_friction"], spreads["nip_load"]) == (0.15, 0.05)
+    with pytest.raises(wo.InvalidProblem, match=r"uncertain.nip_load: '5 N/m' has the wrong dim"):
+        spreads_and_ties(winding(), {"nip_load": "5 N/m"}, None)
 
 
 def test_spreads_are_required_without_a_grade():

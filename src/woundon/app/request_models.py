@@ -184,7 +184,7 @@ class WindowRequest(_Request):
         description="range of any other field",
         examples=[{"oscillation": ["0 mm", "200 mm"]}],
     )
-    uncertain: dict[str, float] | str = Field(
+    uncertain: dict[str, Number] | str = Field(
         description="relative standard deviation by field, or the grade that has them",
         examples=["newsprint"],
     )

@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from ..errors import InvalidProblem
 from . import options
 
 __all__ = ["compare"]
@@ -79,7 +80,10 @@ def compare(
 
     values = {name: arguments.pop(f"tab_{name}") for name in TAB_OPTIONS}
     calibration = {name: value for name, value in values.items() if value is not None}
-    tab = PullTab(**calibration) if calibration else None
+    try:
+        tab = PullTab(**calibration) if calibration else None
+    except InvalidProblem as fault:
+        raise fault.under("tab") from None
     problem = options.load_case(case, settings)
     comparison = compare_with(problem, measured, tab=tab, progress=True, **arguments)
     files: options.Files = {

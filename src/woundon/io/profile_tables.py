@@ -10,8 +10,9 @@ import numpy as np
 
 from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
+from ..problems.inputs import is_basis_weight
 from ..problems.thickness_profile import ThicknessProfile
-from ..problems.units import has_dimension, parse
+from ..problems.units import parse
 from ..quantities import Quantity, walk
 from .columns import read_columns
 
@@ -61,8 +62,13 @@ def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
         if place.path in FIELDS and place.quantity is not None
     }
     columns = read_columns(Path(path), known)
-    values = {name: _numbers(cells, known[name]) for name, cells in columns.items()}
-    is_weight = any(has_dimension(cell, WEIGHT) for cell in columns.get("thickness", []))
+    is_weight = any(map(is_basis_weight, columns.get("thickness", ())))
+    units = {name: quantity.unit for name, quantity in known.items()}
+    units |= {"thickness": WEIGHT} if is_weight else {}
+    values = {
+        name: np.array([parse(cell, units[name], f"{path}: {name}") for cell in cells])
+        for name, cells in columns.items()
+    }
     missing = [name for name in ("position", "thickness") if name not in values]
     if missing:
         text = f"has no column {one_of(missing, 'or')}; must have position and thickness"
@@ -114,12 +120,3 @@ def _raise_missing(
     )
     text = f"{least}, {most}; each scan must have the same positions"
     raise InvalidProblem.at(f"{path}: position", text)
-
-
-def _numbers(cells: list[str], quantity: Quantity) -> np.ndarray:
-    """Return the numbers of a column of texts with units, a basis weight in kg/m^2, else SI."""
-    units = [
-        WEIGHT if quantity.unit == "m" and has_dimension(cell, WEIGHT) else quantity.unit
-        for cell in cells
-    ]
-    return np.array([parse(cell, unit) for cell, unit in zip(cells, units, strict=True)])

@@ -96,7 +96,7 @@ def _inputs_of(
     InvalidProblem
         For a name that is not a continuous field, and for an excluded field, with the reason.
     """
-    known = {name: place.value for name, place in numbers_of(problem).items()}
+    known = numbers_of(problem)
     if not parameters:
         return {name: value for name, value in known.items() if name not in excluded}
     if not known.keys() >= set(parameters):

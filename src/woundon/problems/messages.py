@@ -136,11 +136,11 @@ def check_names(table: Iterable[object], prefix: str = "") -> None:
         raise InvalidProblem((name, "not the name of a field; must be text") for name in wrong)
 
 
-def not_one_of(value: object, known: Iterable[str]) -> str:
+def not_one_of(value: object, known: Iterable[str | int]) -> str:
     """Return the message for a value that is not one of the known words."""
     known = list(known)
     text = f"{quote(value)} is unknown; must be {one_of(map(repr, known))}"
-    suggestion = nearest(value, known)
+    suggestion = nearest(value, [word for word in known if isinstance(word, str)])
     return f"{text}; did you mean {suggestion!r}?" if suggestion else text
 
 

@@ -25,6 +25,7 @@ __all__ = [
     "has_dimension",
     "is_unit",
     "known_units",
+    "number_and_unit",
     "parse",
     "text_with_unit",
 ]
@@ -344,6 +345,16 @@ def factor(text: str, unit: str, field: str) -> Fraction:
     return _factor(text, unit, field, text)
 
 
+def number_and_unit(text: str) -> tuple[str, str] | None:
+    """Return number and unit of a text, both as text; None if it does not begin with a number.
+
+    >>> number_and_unit("66 um"), number_and_unit("3e-5"), number_and_unit("um")
+    (('66', 'um'), ('3e-5', ''), None)
+    """
+    match = _QUANTITY.fullmatch(text) if len(text) <= _MAX_LENGTH else None
+    return None if match is None else (match[1], match[2])
+
+
 def parse(value: str | float, unit: str, field: str = "value") -> float:
     """Return ``value`` in SI; a plain number is in SI already.
 
@@ -365,10 +376,10 @@ def parse(value: str | float, unit: str, field: str = "value") -> float:
         raise _fault(field, value, "is not a number", unit)
     if not isinstance(value, str):
         return _as_float(value, unit, field)
-    match = _QUANTITY.fullmatch(value) if len(value) <= _MAX_LENGTH else None
-    if match is None:
+    parts = number_and_unit(value)
+    if parts is None:
         raise _fault(field, value, "is not a number with a unit", unit)
-    number, text = match.groups()
+    number, text = parts
     if not isfinite(float(number)):
         raise _fault(field, value, "is not a finite number", unit)
     if not text:

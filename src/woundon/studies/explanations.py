@@ -31,7 +31,7 @@ from ..quantities import numbers_of, pure
 from ..results import Result
 from .compare_result import Comparison, Explanation
 from .measurements import PRESSURE, RADIUS, TAB, TAB_FORCE, predict
-from .model import KindModel
+from .model import KindModel, quantities_of
 from .predict import Case
 from .slopes import on_mesh_of, solve_case
 
@@ -83,12 +83,13 @@ class InputEffects:
     ) -> None:
         self.model, self.size, self.solved = model, size, solved
         left_out = (*measured, *model.tie)
-        self.quantities = {
-            path: place.quantity
-            for path, place in numbers_of(model.problem).items()
-            if place.value and not path.endswith("radius")
+        names = [
+            path
+            for path, value in numbers_of(model.problem).items()
+            if value and not path.endswith("radius")
             if not any(is_part_of(path, name) for name in left_out)
-        }
+        ]
+        self.quantities = quantities_of(model, names)
 
     @cached_property
     def derivatives(self) -> dict[str, Array]:

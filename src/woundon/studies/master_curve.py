@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -18,6 +18,7 @@ from ..io.files import check_ending, check_writable
 from ..io.sheets import Sheet, TableSource, read_sheet
 from ..io.spreadsheets import write_csv
 from ..io.tables import Column, Names, match_columns
+from ..problems.inputs import NotANumber, real_number
 from ..problems.measured_moduli import WARNING_MISFIT, DynamicTest, frequency_quantity
 from ..problems.messages import not_one_of, quote
 from ..problems.superposition import (
@@ -26,6 +27,7 @@ from ..problems.superposition import (
     superpose,
     wlf_shifts,
 )
+from ..problems.units import number_and_unit
 from ..quantities import Quantity, pure, stress
 from .outcome import Outcome
 
@@ -50,7 +52,6 @@ SAME_TEMPERATURE = 1.0
 LEAST_ROWS = 3  # of an isotherm
 # Zeros of the scales differ, so that a temperature, unlike a difference, is not converted.
 SCALES = {"degC": "degC", "\N{DEGREE SIGN}C": "degC", "K": "K"}
-_TEMPERATURE = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*")
 UNCERTAIN = 0.1  # decades, standard error of a shift that is remarked on
 
 
@@ -383,7 +384,7 @@ def _is_by_temperature(tables: Any) -> bool:
         return False
     return any(
         not isinstance(key, str)
-        or _TEMPERATURE.fullmatch(key) is not None
+        or number_and_unit(key) is not None
         or isinstance(value, (Mapping, str, os.PathLike))
         or hasattr(value, "columns")  # pandas.DataFrame
         for key, value in tables.items()
@@ -399,15 +400,18 @@ def _temperature(value: Any, field: str) -> tuple[float, str]:
         If it is not a number, or in another scale.
     """
     number, unit = value, ""
-    if isinstance(value, str) and (match := _TEMPERATURE.fullmatch(value)):
-        number, unit = float(match[1]), match[2]
+    if isinstance(value, str) and (parts := number_and_unit(value)):
+        number, unit = float(parts[0]), parts[1]
         if unit not in SCALES:
             reason = f"is in {unit}" if unit else "has no unit"
             raise InvalidProblem.at(field, f"{quote(value)} {reason}; {_MUST}")
-    is_number = isinstance(number, (int, float, np.integer, np.floating))
-    if isinstance(number, bool) or not is_number or not np.isfinite(float(number)):
+    try:
+        temperature = real_number(number)
+    except NotANumber:
+        temperature = nan
+    if not isfinite(temperature):
         raise InvalidProblem.at(field, f"{quote(value)} is not a temperature; {_MUST}")
-    return float(number), SCALES.get(unit, "")
+    return temperature, SCALES.get(unit, "")
 
 
 _MUST = "must be in degC or K, e.g. 40.0 or '40 degC'"

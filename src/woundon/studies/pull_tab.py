@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import isfinite
-from typing import Any
+from typing import Annotated, Any, Literal, Self
 
-from ..arguments import whole_number
-from ..errors import InvalidProblem
-from ..problems.messages import quote
-from ..problems.units import parse
-from ..quantities import Values
+from pydantic import Field, model_validator
+
+from ..errors import InvalidProblem, one_of
+from ..problems.description import Description
+from ..problems.fields import Number, OptionalNumber, default
+from ..quantities import Quantity, Values, pure, share, stress
 
 __all__ = ["PullTab"]
 
 
-@dataclass(frozen=True, kw_only=True)
-class PullTab:
+class PullTab(Description):
     """A pull tab with its calibration: pressure = slope * force + offset.
 
     A tab wound between two layers slides on ``faces`` faces when it is pulled, F = faces mu A P.
@@ -44,52 +42,47 @@ class PullTab:
 
     Examples
     --------
-    >>> tab = PullTab(friction=0.2, area="12.5 cm^2")
+    >>> import woundon as wo
+    >>> tab = wo.PullTab(friction=0.2, area="12.5 cm^2")
     >>> round(tab.pressure(100.0))  # 100 N on two faces
     200000
     """
 
-    slope: Any = None
-    offset: Any = 0.0
-    friction: Any = None
-    area: Any = None
-    faces: int = 2
-    deviation: Any = 0.0
+    slope: Annotated[OptionalNumber, Quantity("k_t", "Pa/N", "pressure per force"), Field(gt=0)] = (
+        default(None)
+    )
+    offset: Annotated[Number, stress("P_0", "pressure at zero force")] = default(0.0)
+    friction: Annotated[
+        OptionalNumber, pure("mu_t", "coefficient of friction of the tab"), Field(gt=0)
+    ] = default(None)
+    area: Annotated[
+        OptionalNumber, Quantity("A_t", "m^2", "area of one face of the tab", "cm^2"), Field(gt=0)
+    ] = default(None)
+    faces: Literal[1, 2] = 2
+    deviation: Annotated[
+        Number, share("s_t", "relative standard deviation of the calibration"), Field(ge=0, lt=1)
+    ] = default(0.0)
 
-    def __post_init__(self) -> None:
-        """Convert texts with units to SI and check the fields."""
-        units = {"slope": "Pa/N", "offset": "Pa", "friction": "1", "area": "m^2", "deviation": "1"}
-        for name, unit in units.items():
-            value = getattr(self, name)
-            if value is not None or name in ("offset", "deviation"):  # which must not be None
-                object.__setattr__(self, name, parse(value, unit, f"tab.{name}"))
+    @model_validator(mode="after")
+    def _check_calibration(self) -> Self:
+        """Reject a tab with neither a slope nor friction and area, or with both."""
         calibration = [
             name for name in ("slope", "friction", "area") if getattr(self, name) is not None
         ]
         if calibration not in (["slope"], ["friction", "area"]):
-            text = (
-                f"{', '.join(calibration) or 'nothing'} given; must be slope, or friction and area"
-            )
-            raise InvalidProblem.at("tab", text)
-        for name in calibration:
-            value = getattr(self, name)
-            if not (isfinite(value) and value > 0):
-                raise InvalidProblem.at(
-                    f"tab.{name}", f"{quote(value)} is out of range; must be > 0"
-                )
-        if not isfinite(self.offset):
-            raise InvalidProblem.at("tab.offset", f"{quote(self.offset)} is not a finite number")
-        if not 0 <= self.deviation < 1:
-            text = f"{quote(self.deviation)} is out of range; must be >= 0 and < 1"
-            raise InvalidProblem.at("tab.deviation", text)
-        whole_number("tab.faces", self.faces, 1, 2)
+            given = one_of(calibration, "and") if calibration else "nothing"
+            text = f"the tab has {given}; must have slope, or friction and area"
+            raise InvalidProblem.at("", text)
+        return self
 
     @property
     def pressure_per_force(self) -> float:
         """Slope of the calibration [Pa/N]."""
         if self.slope is not None:
-            return float(self.slope)
-        return 1 / (self.faces * float(self.friction) * float(self.area))
+            return self.slope
+        assert self.friction is not None
+        assert self.area is not None
+        return 1 / (self.faces * self.friction * self.area)
 
     def pressure(self, force: Values) -> Values:
         """Return the pressure [Pa] for a force [N], or for an array of forces."""

@@ -242,9 +242,8 @@ def derivatives(result: Result, *parameters: str, **options: Any) -> Sensitivity
     # main outputs and those with an error estimate, if they are numbers in this result
     outputs = _finite_numbers(result, (*result.MAIN, *result.errors))
     outputs = outputs or _finite_numbers(result, scalar_outputs(result))
-    numbers = {name: place.value for name, place in numbers_of(result.problem).items()}
     fields = {name: _continuous_field(result.problem, name) for name in parameters}
-    fields = fields or {name: value for name, value in numbers.items() if value}
+    fields = fields or {name: value for name, value in numbers_of(result.problem).items() if value}
     model = model_of(result.problem, outputs, None, options)
     if options:  # the base of the differences needs them too
         result = solve_case(model, {}, result)

@@ -85,7 +85,7 @@ def operating_window(
     *,
     rider_load: Sequence[float | str] | None = None,
     vary: Mapping[str, Sequence[float | str]] | None = None,
-    uncertain: Mapping[str, float] | Grade | str | None = None,
+    uncertain: Mapping[str, float | str] | Grade | str | None = None,
     tie: Mapping[str, str] | None = None,
     samples: int = 2048,
     seed: int = 0,
@@ -116,10 +116,10 @@ def operating_window(
         Dotted name of any other field, ``"oscillation"`` or ``"thickness_profile.variation"``, ->
         its range.  They follow the others, in this order.
     uncertain : mapping, Grade or str, optional
-        Dotted name of a field -> relative standard deviation of its log-normal distribution, whose
-        median is the value of the problem.  A grade, or its name, gives the spreads of the grade.
-        By default those of the grade that the problem was made with; a mapping then replaces
-        single ones, 0 removes one.
+        Dotted name of a field -> relative standard deviation, 0.05 or "5 %", of its log-normal
+        distribution, whose median is the value of the problem.  A grade, or its name, gives the
+        spreads of the grade.  By default those of the grade that the problem was made with; a
+        mapping then replaces single ones, 0 removes one.
     tie : mapping of str to str
         Field -> field that it follows.  With the spreads of a grade, values that it supplies to
         several fields are tied.

@@ -24,10 +24,10 @@ import numpy as np
 from ..arguments import check_arguments
 from ..errors import InvalidProblem, one_of
 from ..problems.grades import Grade, grade
-from ..problems.messages import quote
+from ..problems.messages import out_of_range
 from ..problems.paths import get_field, varied_number
-from ..problems.problem import Problem
 from ..problems.schedules import Profile, Steps, Taper
+from ..problems.units import parse
 from ..problems.winding import SCHEDULES, WindingProblem
 from ..quantities import Quantity, scalar_outputs
 from ..results import Result
@@ -72,7 +72,7 @@ TOGETHER = 3  # windings that one worker solves in a row, each from the one befo
 
 def spreads_and_ties(
     problem: WindingProblem,
-    uncertain: Mapping[str, float] | Grade | str | None,
+    uncertain: Mapping[str, float | str] | Grade | str | None,
     tie: Mapping[str, str] | None,
 ) -> tuple[dict[str, float], dict[str, str]]:
     """Return the relative standard deviations of the inputs, and the fields that follow others."""
@@ -85,8 +85,10 @@ def spreads_and_ties(
         ties = {**base_grade.tied_fields(problem), **ties}
         spreads = {n: s for n, s in base_grade.spread_of(problem).items() if n not in ties}
     for name, spread in (uncertain or {}).items():
-        _check_spread(problem, name, spread)
-        spreads[name] = float(spread)
+        varied_number(problem, name, where := f"uncertain.{name}", is_relative=True)
+        spreads[name] = parse(spread, "1", where)
+        if not 0 <= spreads[name] <= MOST_SPREAD:
+            raise InvalidProblem.at(where, out_of_range(spreads[name], 0.0, MOST_SPREAD, "1"))
     if not spreads:
         text = (
             "missing, and the case names no grade that has spreads; must be {field: relative "
@@ -95,15 +97,6 @@ def spreads_and_ties(
         raise InvalidProblem.at("uncertain", text)
     # a spread of 0 removes an input; a field of 0 has no log-normal distribution
     return {n: s for n, s in spreads.items() if s > 0 and get_field(problem, n) > 0}, ties
-
-
-def _check_spread(problem: Problem, name: str, spread: Any) -> None:
-    """Reject what is not a relative standard deviation of a field > 0."""
-    is_number = isinstance(spread, (int, float)) and not isinstance(spread, bool)
-    if not is_number or not 0 <= spread <= MOST_SPREAD:
-        text = f"{quote(spread)} is out of range; must be >= 0 and <= {MOST_SPREAD:g}"
-        raise InvalidProblem.at(f"uncertain.{name}", text)
-    varied_number(problem, name, f"uncertain.{name}", is_relative=True)
 
 
 def ranges_of(
