@@ -51,6 +51,7 @@ __all__ = [
     "angle",
     "as_given",
     "density_of_web",
+    "header",
     "in_chosen_units",
     "is_list",
     "length",
@@ -209,6 +210,15 @@ def rounded_text(value: float, digits: int) -> str:
     ('230', '0.012', '2e-07')
     """
     return f"{float(f'{value:.{digits}g}'):.6g}"
+
+
+def header(name: str, unit: str) -> str:
+    """Return the header of a column of a table: its name with the unit, without that of a number.
+
+    >>> header("load", "N/m"), header("friction", "1")
+    ('load [N/m]', 'friction')
+    """
+    return name if unit in ("", "1") else f"{name} [{unit}]"
 
 
 def length(symbol: str, meaning: str, shown: str = "mm", typical: Range = None) -> Quantity:

@@ -455,6 +455,14 @@ def test_the_command(tmp_path: Path, capsys):
     assert main(["window", str(case), "--vary", "nip_load=1:2", "--at", "1:2"]) == 2
 
 
+def test_a_table_of_another_ending_is_rejected_before_the_windings(tmp_path: Path, capsys):
+    case = tmp_path / "board.toml"
+    case.write_text(to_toml(BOARD), encoding="utf-8")
+    ranges = ["--web-tension", "200:400", "--nip-load", "1000:3000"]
+    assert main(["window", str(case), *ranges, "--csv", str(tmp_path / "w.txt")]) == 2
+    assert "the ending '.txt' is not a known format" in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_a_third_set_point_is_in_the_heading_of_the_figure():
     window = wo.operating_window(

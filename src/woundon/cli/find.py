@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import InvalidProblem, unwarned
+from ..quantities import header
 from . import options
 
 if TYPE_CHECKING:
@@ -89,10 +90,7 @@ def _lines(result: FindResult) -> Iterator[str]:
     yield from result.answer()
     yield ""
     field, output = result.quantities[result.name], result.quantities[result.output]
-    heads = [
-        f"{name} [{quantity.display}]" if quantity.display else name
-        for name, quantity in ((result.name, field), (result.output, output))
-    ]
+    heads = [header(result.name, field.display), header(result.output, output.display)]
     yield "  ".join(heads)
     reasons = dict(result.failures)
     solutions = {value for value, _ in result.solutions}

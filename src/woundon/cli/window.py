@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from ..errors import unwarned
-from ..io.files import write_whole
 from . import options
 
 __all__ = ["window"]
-
-if TYPE_CHECKING:
-    from ..studies.window_result import OperatingWindow
 
 RANGE = options.Numbers("LOW:HIGH")
 
@@ -91,9 +88,7 @@ RANGE = options.Numbers("LOW:HIGH")
     type=options.FIGURE,
     help="Plot to .png, .svg or .pdf; a coarse preview is plotted first.",
 )
-@click.option(
-    "--csv", type=options.OutputFile(), metavar="FILE.csv", help="Write the map as a table."
-)
+@click.option("--csv", type=options.TABLE, help="Write the map to .csv or .xlsx.")
 @options.JSON
 def window(
     case: Path,
@@ -105,6 +100,7 @@ def window(
     **arguments: Any,
 ) -> None:
     """Map the operating window: the probability of a roll without defects."""
+    from ..studies.export import in_units, write_table
     from ..studies.window import operating_window
 
     named = ("web_tension", "nip_load", "rider_load", "torque_split")
@@ -121,19 +117,8 @@ def window(
             **arguments,
         )
         files: options.Files = {
-            csv: lambda path: write_whole(path, _csv_text(result).encode()),
+            csv: partial(write_table, in_units(result.to_dataframe(), result.quantities)),
             plot: result.plot,
         }
         at_points = [result.at(*point) for point in points]
         options.present(result, as_json, files, result.lines(*at_points))
-
-
-def _csv_text(window: OperatingWindow) -> str:
-    """Return the map as a table with units in its header."""
-    from ..io.spreadsheets import in_csv_style
-
-    frame = window.to_dataframe()
-    for name in window.names:
-        unit, frame[name] = window.quantities[name].in_table(frame[name])
-        frame = frame.rename(columns={name: name if unit == "1" else f"{name} [{unit}]"})
-    return in_csv_style(str(frame.to_csv(index=False)))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__, kinds
-from ..quantities import Quantity, outputs, scalar_outputs, value_of, walk
+from ..quantities import Quantity, header, outputs, scalar_outputs, value_of, walk
 from ..results import Result
 from .records import saved_values
 from .spreadsheets import as_csv_cell, in_csv_style
@@ -72,8 +72,8 @@ def to_csv(result: Result) -> bytes:
     table = csv.writer(text, lineterminator="\n")
     table.writerow([f"# woundon {__version__}", kinds.of(result).name])
     for scalar in scalars:
-        header, value = _in_table(*scalar)
-        table.writerow([f"# {header}", *map(as_csv_cell, _cells(value))])
+        label, value = _in_table(*scalar)
+        table.writerow([f"# {label}", *map(as_csv_cell, _cells(value))])
     for note in result.warnings:
         table.writerow(["# warning", as_csv_cell(note)])
     table.writerow(columns)
@@ -101,6 +101,6 @@ def _in_table(name: str, quantity: Quantity | None, value: Any) -> tuple[str, An
         return name, value
     if isinstance(value, tuple):
         unit, converted = quantity.in_table(np.array(value))
-        return f"{name} [{unit}]", tuple(converted.tolist())
+        return header(name, unit), tuple(converted.tolist())
     unit, converted = quantity.in_table(value)
-    return f"{name} [{unit}]", converted
+    return header(name, unit), converted

@@ -10,7 +10,7 @@ import numpy as np
 from ..io.spreadsheets import in_csv_style
 from ..problems.paths import quantity_of_field
 from ..problems.roll import RollProblem
-from ..quantities import length, share, stress
+from ..quantities import header, length, share, stress
 from ..roll.design import TensionDesign
 from ..roll.result import RollResult
 from .drawing import show_panels
@@ -42,10 +42,10 @@ def csv_text(design: TensionDesign) -> str:
         "radius": (quantity_of(RollResult, "radius"), design.tension.radius),
         "value": (WOT, design.tension.value),
     }
-    header = ",".join(f"{name} [{quantity.display}]" for name, (quantity, _) in columns.items())
+    names = ",".join(header(name, quantity.display) for name, (quantity, _) in columns.items())
     shown = [quantity.shown(np.array(values)) for quantity, values in columns.values()]
     rows = (f"{r:.12g},{T:.12g}" for r, T in zip(*shown, strict=True))
-    return in_csv_style("\n".join([header, *rows, ""]))
+    return in_csv_style("\n".join([names, *rows, ""]))
 
 
 def interior_deviation(design: TensionDesign, roll: RollResult) -> float:

@@ -28,7 +28,7 @@ from ..problems.description import Description
 from ..problems.family import field_from_table
 from ..problems.paths import field_or_none, is_part_of, nest_tables
 from ..problems.problem import Problem
-from ..quantities import is_on_request, pattern, scalar_outputs
+from ..quantities import header, is_on_request, pattern, scalar_outputs
 from .cases import Solved, table_of_cases
 from .columns import (
     ANNOTATIONS,
@@ -470,9 +470,9 @@ def _copied_columns(
     written = any(column.name in ANNOTATIONS for column in matched.values())
     sign = decimal_sign(sheet)
     copied: dict[str, Any] = {}
-    for header, cells in sheet.columns.items():
-        text = f"{header} [{sheet.units[header]}]" if sheet.units.get(header) else header
-        if header in matched and pattern(matched[header].name) not in fields:
+    for name, cells in sheet.columns.items():
+        text = header(name, sheet.units.get(name, ""))
+        if name in matched and pattern(matched[name].name) not in fields:
             if written:
                 continue
             text += GIVEN
@@ -492,6 +492,6 @@ def _add_outputs(frame: pd.DataFrame, model: KindModel, values: Array, drop_empt
         if drop_empty and np.isnan(of_rows).all():
             continue
         unit, converted = quantities[name].in_table(of_rows)
-        header = name if unit == "1" else f"{name} [{unit}]"
-        frame[header], units[header] = converted, unit
+        column = header(name, unit)
+        frame[column], units[column] = converted, unit
     frame.attrs["units"] = units

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,13 +12,14 @@ from ..errors import InvalidProblem, one_of
 from ..io.files import replaced_file
 from ..io.spreadsheets import record_table, write_csv, write_workbook
 from ..io.table_files import MAX_ROWS, need_openpyxl
+from ..quantities import Quantity, header
 from .cases import is_numeric
 from .run import Table
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["EXPORTS", "TABLES", "check_export", "export", "write_table"]
+__all__ = ["EXPORTS", "TABLES", "check_export", "export", "in_units", "write_table"]
 
 EXPORTS = (".nc", ".csv", ".xlsx", ".parquet")
 TABLES = (".csv", ".xlsx")  # formats of tables of cases that are not studies
@@ -102,12 +104,20 @@ def _with_units(table: Table) -> pd.DataFrame:
     for name, values in table.cases.frame.items():
         if not is_numeric(values.to_numpy()):
             frame[name] = [_as_text(value) for value in values]
-    headers = {}
-    for name, quantity in table.quantities.items():
+    return in_units(frame, table.quantities)
+
+
+def in_units(frame: pd.DataFrame, quantities: Mapping[str, Quantity]) -> pd.DataFrame:
+    """Return a table with columns of SI values in units for tables, which are in the headers.
+
+    Columns without a quantity, and those of a field that is a number but has schedules here, stay.
+    """
+    frame, headers = frame.copy(), {}
+    for name in frame.columns.intersection(list(quantities)):
         values = frame[name].to_numpy()
-        if is_numeric(values):  # not the schedules of a field that is also a number
-            unit, frame[name] = quantity.in_table(values)
-            headers[name] = f"{name} [{unit}]" if unit else name
+        if is_numeric(values):
+            unit, frame[name] = quantities[name].in_table(values)
+            headers[name] = header(name, unit)
     return frame.rename(columns=headers)
 
 

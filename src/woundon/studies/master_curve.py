@@ -28,7 +28,7 @@ from ..problems.superposition import (
     wlf_shifts,
 )
 from ..problems.units import number_and_unit
-from ..quantities import Quantity, pure, stress
+from ..quantities import Quantity, header, pure, stress
 from .outcome import Outcome
 
 if TYPE_CHECKING:
@@ -203,7 +203,7 @@ class MasterCurve(Outcome):
         check_writable(Path(path))
         units = {"frequency": "Hz", "storage_modulus": "Pa", "loss_modulus": "Pa"}
         frame = self.to_dataframe()[list(units)]
-        write_csv(Path(path), frame.rename(columns=lambda name: f"{name} [{units[name]}]"))
+        write_csv(Path(path), frame.rename(columns=lambda name: header(name, units[name])))
 
     def shift_at(self, temperature: float | Array) -> Array:
         """Return log10 a at temperatures in the range of the isotherms, by the law if there is one.

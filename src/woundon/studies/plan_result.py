@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..problems.problem import Problem
-from ..quantities import Quantity, in_chosen_units
+from ..quantities import Quantity, header, in_chosen_units
 from .outcome import Outcome
 from .planned import Measurement
 
@@ -145,7 +145,7 @@ class NextExperiment(Outcome):
             "score": [np.nan, *self.scores],
         }
         columns |= {f"{name} +-": self.standard_errors[:, j] for j, name in enumerate(self.names)}
-        columns[f"{self.output} +- [{self.quantities[self.output].unit}]"] = self.output_errors
+        columns[header(f"{self.output} +-", self.quantities[self.output].unit)] = self.output_errors
         steps = pd.Index(["now", *(m.stored_name for m in self.measurements)], name="measurement")
         return pd.DataFrame(columns, index=steps)
 
