@@ -24,7 +24,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache, cached_property, lru_cache
 from inspect import Parameter, signature
-from math import pi
+from math import isfinite, nan, pi
 from types import MappingProxyType
 from typing import (
     TYPE_CHECKING,
@@ -165,13 +165,15 @@ class Quantity:
         unit, _ = self._unit()
         return "" if unit == "1" else unit
 
-    def text(self, value: float, form: str = ".4g") -> str:
-        """Return an SI value as text in the unit for display.
+    def text(self, value: float, form: str = ".4g", *, error: float = nan) -> str:
+        """Return an SI value as text in the unit for display, with its error to two digits.
 
-        >>> Quantity("P", "N/m", "nip load").text(2500.0)
-        '2500 N/m'
+        >>> load = Quantity("P", "N/m", "nip load")
+        >>> load.text(2500.0), load.text(2500.0, error=12.3)
+        ('2500 N/m', '2500 ± 12 N/m')
         """
-        return f"{self.shown(float(value)):{form}} {self.display}".rstrip()
+        known = f" ± {rounded_text(self.shown(float(error)), 2)}" if isfinite(error) else ""
+        return f"{self.shown(float(value)):{form}}{known} {self.display}".rstrip()
 
     def stored_text(self, value: float, form: str = ".4g") -> str:
         """Return an SI value as text in the usual unit, for a text that a result keeps.
@@ -186,6 +188,11 @@ class Quantity:
         unit, size = self._chosen() or (self.unit, 1.0)
         converted: Any = value / size
         return unit, converted
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """SI unit, meaning and symbol as attributes of an xarray variable."""
+        return {"units": self.unit, "long_name": self.meaning, "symbol": self.symbol}
 
     def named(self, path: str) -> Quantity:
         """Return the quantity with the name of its field or output."""

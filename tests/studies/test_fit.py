@@ -293,6 +293,15 @@ def test_known_parameters_of_a_nip_are_recovered():
     assert record["units"]["roll.material.shear"] == "Pa"
 
 
+def test_estimates_are_in_the_units_of_all_other_texts():
+    data = {"load [kN/m]": [50, 89, 120], "half_width [um]": [265, 354, 411]}
+    found = wo.fit(
+        wo.RollerProblem.example(), data, {"upper.radius": (0.1, 1.0)},
+        starts=1, nodes=17, profiles=False,
+    )  # fmt: skip
+    assert found.answer()[1] == "upper.radius  250.2 ± 0.33 mm (standard error 0.13 %)"
+
+
 @pytest.fixture(scope="module")
 def newsprint():
     """A_rr and G fitted to the thesis's fifteen measured tensions at 2h = 57 um."""

@@ -373,10 +373,11 @@ def present(
     if as_json:
         click.echo(result.to_json())
     else:
-        # a terminal may not have the character, as in reports
-        plus_minus = "+-" if console().options.ascii_only else "±"
+        from ..report.terminal import in_characters
+
+        terminal = console()
         for line in result.lines() if lines is None else lines:
-            click.echo(line.replace("±", plus_minus))
+            click.echo(in_characters(line, terminal))
     print_written(written, as_json)
 
 

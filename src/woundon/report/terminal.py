@@ -11,7 +11,7 @@ from rich.text import Text
 
 from .report_parts import COLUMNS, Column, Line, Part, Section, Table, ZoneStrips, zone_line
 
-__all__ = ["WIDTH", "plain_text", "print_parts"]
+__all__ = ["WIDTH", "in_characters", "plain_text", "print_parts"]
 
 WIDTH = 100
 ZONES_WIDTH = 60
@@ -108,9 +108,13 @@ def _print_below(text: str, indent: int, console: Console) -> None:
         _print(Text(" " * indent + line, style="dim"), console)
 
 
+def in_characters(text: str, console: Console) -> str:
+    """Return a text in characters that the terminal has."""
+    return text.replace("±", "+-") if console.options.ascii_only else text
+
+
 def _print(text: Text, console: Console) -> None:
-    if console.options.ascii_only:
-        text.plain = text.plain.replace("±", "+-")
+    text.plain = in_characters(text.plain, console)
     # never folded nor cut: a pipe or a log gets the same text as a wide terminal
     console.print(text, soft_wrap=True)
 

@@ -249,12 +249,11 @@ class Comparison(Outcome):
         if agreement.size == 0:
             return f"{output}: no value with a prediction"
 
-        uncertainty = agreement.bias_uncertainty  # zero if no part of it is known
+        uncertainty = agreement.bias_uncertainty or nan  # zero if no part of it is known
         parts = [
             f"{output}: {agreement.size} {'value' if agreement.size == 1 else 'values'}",
-            f"measured - predicted {quantity.text(agreement.bias, '+.3g')} "
-            + (f"± {quantity.text(uncertainty, '.3g')} " if uncertainty else "")
-            + f"({100 * agreement.relative_bias:+.2g} %)",
+            f"measured - predicted {quantity.text(agreement.bias, '+.3g', error=uncertainty)} "
+            f"({100 * agreement.relative_bias:+.2g} %)",
             f"RMS {quantity.text(agreement.rms, '.3g')}",
         ]
         if not isnan(agreement.coverage):

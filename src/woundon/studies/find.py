@@ -136,11 +136,9 @@ class FindResult(Outcome):
         """Return a line for each solution, the first one first: value, uncertainty, output."""
         texts = []
         for k, (value, _) in enumerate(self.solutions):
-            spread = self.uncertainties[k]
-            known = f" ± {self._text(self.name, spread, '.2g')}" if isfinite(spread) else ""
+            text = self.quantities[self.name].text(value, ".6g", error=self.uncertainties[k])
             reached = self._text(self.output, self.reached[k])
-            text = self._text(self.name, value)
-            texts.append(f"{self.name} = {text}{known}: {self.output} = {reached}")
+            texts.append(f"{self.name} = {text}: {self.output} = {reached}")
         return texts
 
     def remarks(self) -> list[str]:
@@ -160,9 +158,9 @@ class FindResult(Outcome):
             texts.append(f"{self.output} jumps across the target at {place}")
         return texts
 
-    def _text(self, name: str, value: float, form: str = ".6g") -> str:
+    def _text(self, name: str, value: float) -> str:
         """Return a value of the field or of the output with its unit."""
-        return self.quantities[name].text(value, form)
+        return self.quantities[name].text(value, ".6g")
 
     def _target_text(self) -> str:
         return f"{self.output} = {self._text(self.output, self.target)}"

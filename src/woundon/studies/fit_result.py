@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import InvalidProblem
 from ..problems.messages import not_one_of
-from ..quantities import Quantity
+from ..quantities import Quantity, pure
 from .outcome import Outcome
 from .profiles import ProfileLikelihood
 
@@ -135,7 +135,7 @@ class FitResult(Outcome):
     # ---- texts ----------------------------------------------------------------------------------
 
     def __repr__(self) -> str:
-        texts = [f"{name}={self._text(name, self.estimate(name))}" for name in self.names]
+        texts = [f"{name}={self._quantity(name).text(self.estimate(name))}" for name in self.names]
         hidden = len(texts) - MOST_SHOWN
         texts[MOST_SHOWN:] = [f"{hidden} more"] if hidden > 0 else []
         rms = f"RMS {self._rms_text(self.rms)} of {self.measured.size} measured values"
@@ -155,30 +155,30 @@ class FitResult(Outcome):
         """Return remarks on other minima, correlations and combinations that are not identified."""
         return [*self._other_minimum(), *self._trade_offs()]
 
-    def _text(self, name: str, value: float, form: str = ".4g") -> str:
-        """Return a value of a parameter or an output with its unit, SI or the chosen one."""
-        quantity = self.quantities.get(name)
-        unit, shown = quantity.in_table(value) if quantity else ("", value)
-        return f"{shown:{form}} {'' if unit == '1' else unit}".rstrip()
+    def _quantity(self, name: str) -> Quantity:
+        """Return the quantity of a parameter or an output; a pure number if it has none."""
+        return self.quantities.get(name, pure("", name))
 
     def _rms_text(self, value: float, form: str = ".4g") -> str:
         """Return a root mean square of residuals with its unit."""
         if self.weighted:
             return f"{value:{form}} standard deviations"
-        return self._text(self.row_outputs[0], value, form)
+        return self._quantity(self.row_outputs[0]).text(value, form)
 
     def _estimate_text(self, k: int) -> str:
         """Return estimate, standard error and profile interval of a parameter."""
         name, value, error = self.names[k], self.estimates[k], self.standard_errors[k]
-        text = f"{name:<{max(map(len, self.names))}}  {self._text(name, value)}"
+        is_known = isfinite(error) and name not in self.not_identified
+        with_error = self._quantity(name).text(value, error=error if is_known else nan)
+        text = f"{name:<{max(map(len, self.names))}}  {with_error}"
         if name in self.not_identified:
             text += "; not identified by the data (standard error above 100 %)"
-        elif isfinite(error):
-            text += f", standard error {self._text(name, error, '.2g')}"
-            text += f" ({error / abs(value):.0%})" if value else ""
+        elif is_known:
+            relative = f" {100 * error / abs(value):.2g} %" if value else ""
+            text += f" (standard error{relative})"
         interval = self._intervals().get(name)
         if interval is not None:
-            ends = [self._text(name, end) if isfinite(end) else "open" for end in interval]
+            ends = [self._quantity(name).text(end) if isfinite(end) else "open" for end in interval]
             text += f"; 95 % profile interval {' to '.join(ends)}"
             if ends == ["open", "open"]:
                 text += ": the data do not determine it within its bounds"
@@ -195,7 +195,7 @@ class FitResult(Outcome):
         # sorted by the sum of squared residuals; the first ones are the best minimum
         for sum_of_squares, values in self.minima[self.reached :][:1]:
             pairs = zip(self.names, values, strict=True)
-            place = ", ".join(f"{name} {self._text(name, value)}" for name, value in pairs)
+            place = ", ".join(f"{name} {self._quantity(name).text(value)}" for name, value in pairs)
             rms = self._rms_text((sum_of_squares / self.measured.size) ** 0.5)
             yield f"second-best local minimum: RMS {rms} at {place}"
 
@@ -277,7 +277,7 @@ class FitResult(Outcome):
 
     def _unit(self, name: str) -> str:
         """Return the SI unit of a parameter or an output, '' of a pure number."""
-        unit = self.quantities[name].unit if name in self.quantities else ""
+        unit = self._quantity(name).unit
         return "" if unit == "1" else unit
 
     def _record(self) -> dict[str, Any]:

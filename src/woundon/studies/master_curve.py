@@ -39,6 +39,7 @@ __all__ = ["MasterCurve", "master_curve"]
 Array = np.ndarray
 
 TEMPERATURE = Quantity("T", "K", "temperature", "degC")
+SHIFT = pure("log10 a", "shift of an isotherm")
 COLUMNS = {
     "temperature": TEMPERATURE,
     "frequency": frequency_quantity("frequency"),
@@ -148,7 +149,7 @@ class MasterCurve(Outcome):
                 f"log10 a = -C1 (T - T_ref)/(C2 + T - T_ref): C1 = {C1:.4g}, C2 = {C2:.4g} K"
             )
         for k, T in enumerate(self.temperatures):
-            shift = f"{self.shifts[k] + 0.0:.3f} ± {self.errors[k]:.2g}"
+            shift = SHIFT.text(self.shifts[k] + 0.0, ".3f", error=self.errors[k])  # 0.0, not -0.0
             lines.append(f"T = {T:g} {self.scale}: log10 a = {shift}")
         return lines
 

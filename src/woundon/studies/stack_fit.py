@@ -21,7 +21,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -431,8 +430,8 @@ class StackFit(Outcome):
         lines = [f"{P.size} rows from {low} to {high} {unit}; laws by misfit:"]
         for each in self.laws:
             parameters = [
-                _in_words(name, _quantity(each.law, name), each.values[name], each.errors[name])
-                for name in each.values
+                f"{name} = {_quantity(each.law, name).text(value, '.5g', error=each.errors[name])}"
+                for name, value in each.values.items()
             ]
             share = f"{each.misfit / np.ptp(eps):.2%}"
             lines.append(
@@ -494,10 +493,3 @@ def _quantity(law: SolidLaw, name: str) -> Quantity:
         return quantity
     unit = {"c0": "Pa", "c1": "1"}.get(name, f"1/Pa^{int(name[1:]) - 1}".removesuffix("^1"))
     return Quantity(name, unit, "coefficient of the modulus")
-
-
-def _in_words(name: str, quantity: Quantity, value: float, error: float) -> str:
-    """Return a parameter with its standard error and unit: "K1 = 10.2 ± 0.1 kPa"."""
-    if not isfinite(error):
-        return f"{name} = {quantity.text(value, '.5g')}"
-    return f"{name} = {quantity.shown(value):.5g} ± {quantity.text(error, '.2g')}"

@@ -14,7 +14,7 @@ from ..errors import InvalidProblem
 from ..problems.paths import number_in_si
 from ..problems.permitted import is_within
 from ..problems.winding import WindingProblem
-from ..quantities import Quantity
+from ..quantities import Quantity, pure
 from .outcome import Outcome
 from .progress import Progress
 from .run import Workers
@@ -28,6 +28,7 @@ __all__ = ["LEVELS", "MOST_SAMPLES", "OperatingPoint", "OperatingWindow"]
 
 Array = np.ndarray
 MOST_SAMPLES = 100_000  # draws from the distributions
+RESERVE = pure("m", "reserve of a margin")
 LEVELS = (0.5, 0.9, 0.99)  # of the contours
 SIMULATED_TOGETHER = 5  # draws that one worker simulates in a row, each from the one before
 
@@ -271,7 +272,7 @@ class OperatingWindow(Outcome):
         rows = [f"{head} {point.probability:.2f} at {self._text(point)}"]
         for name, (mean, deviation) in point.margins.items():
             mark = "  binding" if name == point.binding else ""
-            rows.append(f"  {name:<14}{mean:+8.2f} ± {deviation:.2f}{mark}")
+            rows.append(f"  {name:<14}{RESERVE.text(mean, '+8.2f', error=deviation)}{mark}")
         largest = list(point.contributions.items())[:3]
         shares = [f"{name} {100 * share:.0f} %" for name, share in largest if share > 0.005]
         return [*rows, f"  variance of {point.binding}: {', '.join(shares) or 'none'}"]
