@@ -12,7 +12,7 @@ from typing import Any
 
 from .. import kinds, plugins
 from ..errors import InvalidProblem, did_you_mean
-from ..io.case_files import make_problem, tables_of_text
+from ..io.case_files import make_problem, names_of_files, tables_of_text
 from ..io.case_texts import to_toml
 from ..io.chosen_units import units, units_of
 from ..io.python_texts import to_python
@@ -33,23 +33,11 @@ def read_case(text: str) -> bytes:
     return to_json({"kind": kinds.of(problem).name, "problem": tables_of(problem)})
 
 
-def _reject_files(part: Any, path: str = "") -> None:
-    """Reject tables whose columns are in another file, which is on the client's machine.
-
-    Parameters
-    ----------
-    part : mapping or list
-        Tables, or a list in them.
-    path : str
-        Dotted name of the part with a dot at its end; empty for all tables.
-    """
-    inner = part.items() if isinstance(part, Mapping) else enumerate(part)
-    for name, value in inner:
-        if name in ("csv", "log"):
-            text = "other files are not read here; write the columns into the case"
-            raise InvalidProblem.at(f"{path}{name}", text)
-        if isinstance(value, Mapping | list):
-            _reject_files(value, f"{path}{name}.")
+def _reject_files(tables: Mapping[str, Any]) -> None:
+    """Reject tables whose columns are in another file, which is on the client's machine."""
+    for name in names_of_files(tables):
+        text = "other files are not read here; write the columns into the case"
+        raise InvalidProblem.at(name, text)
 
 
 def case_file(tables: Mapping[str, Any]) -> bytes:

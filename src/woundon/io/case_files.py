@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ __all__ = [
     "check_like_a_case",
     "load_case",
     "make_problem",
+    "names_of_files",
     "read_case",
     "tables_of_text",
     "template",
@@ -102,7 +103,7 @@ def read_case(path: str | Path) -> dict[str, Any]:
     written = tables_of_text(read_whole(path, MAX_BYTES), str(path))
     folder = Path(path).parent
     tables = written
-    if _names_files(written):
+    if any(names_of_files(written)):
         from .columns import with_columns  # with the readers of all formats of tables
 
         tables = with_columns(written, folder, lambda: _kind_of(written).problem)
@@ -115,13 +116,21 @@ def read_case(path: str | Path) -> dict[str, Any]:
     return tables | {"grade": grade(name, folder / file)}
 
 
-def _names_files(part: Any) -> bool:
-    """Return whether a part of a case, or a table in it, names a file in place of its lists."""
-    if isinstance(part, list):
-        return any(map(_names_files, part))
-    if not isinstance(part, Mapping):
-        return False
-    return any(key in part for key in FILE_KEYS) or any(map(_names_files, part.values()))
+def names_of_files(part: Any, path: str = "") -> Iterator[str]:
+    """Yield the dotted names of a case, or of a part of it, that hold a file in place of lists.
+
+    Parameters
+    ----------
+    part : mapping or list
+        Tables, or a list in them.
+    path : str
+        Dotted name of the part with a dot at its end; empty for all tables.
+    """
+    for name, value in part.items() if isinstance(part, Mapping) else enumerate(part):
+        if name in FILE_KEYS:
+            yield f"{path}{name}"
+        if isinstance(value, Mapping | list):
+            yield from names_of_files(value, f"{path}{name}.")
 
 
 def tables_of_text(content: bytes, where: str) -> dict[str, Any]:

@@ -74,9 +74,7 @@ def to_dataset(result: Result) -> xarray.Dataset:
 
 def _labels(quantity: Quantity | None) -> dict[str, str]:
     """Return unit, meaning and symbol of a quantity as attributes."""
-    if quantity is None:
-        return {}
-    return {"units": quantity.unit, "long_name": quantity.meaning, "symbol": quantity.symbol}
+    return quantity.attributes if quantity else {}
 
 
 def _error_labels(quantity: Quantity | None) -> dict[str, str]:
@@ -84,7 +82,7 @@ def _error_labels(quantity: Quantity | None) -> dict[str, str]:
     if quantity is None:
         return {}
     meaning = f"estimated discretisation error: {quantity.meaning}"
-    return {"units": quantity.unit, "long_name": meaning, "symbol": f"{quantity.symbol} error"}
+    return quantity.attributes | {"long_name": meaning, "symbol": f"{quantity.symbol} error"}
 
 
 def to_netcdf(result: Result) -> bytes:

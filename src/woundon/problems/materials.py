@@ -41,6 +41,7 @@ __all__ = [
     "Orthotropic",
     "PronyTerm",
     "RelaxationTime",
+    "RelaxingTerm",
     "Solid",
     "Stiffness",
     "isotropic_stiffness",
@@ -255,7 +256,18 @@ RelaxationTime = Annotated[
 ]
 
 
-class PronyTerm(Description):
+class RelaxingTerm(Description):
+    """A term of a Prony series: its first field is a modulus or a part of one, then ``time``."""
+
+    @classmethod
+    def coerce(cls, value: Any) -> Any:
+        """Return the term of a pair or of a table."""
+        if isinstance(value, (tuple, list)) and len(value) == 2:
+            return cls(**dict(zip(cls.model_fields, value, strict=True)))
+        return from_table(value, [cls]) if isinstance(value, Mapping) else value
+
+
+class PronyTerm(RelaxingTerm):
     """A term E_k exp(-t/tau_k) of a Prony series; fields also accept a pair (E_k, tau_k).
 
     Parameters
@@ -276,13 +288,6 @@ class PronyTerm(Description):
         Number, stress("E_k", "relaxing modulus", "MPa", (1e5, 1e8)), Field(gt=0, le=STIFFEST)
     ]
     time: RelaxationTime
-
-    @classmethod
-    def coerce(cls, value: Any) -> Any:
-        """Return the term of a pair or of a table."""
-        if isinstance(value, (tuple, list)) and len(value) == 2:
-            return cls(modulus=value[0], time=value[1])
-        return from_table(value, [cls]) if isinstance(value, Mapping) else value
 
 
 if TYPE_CHECKING:

@@ -15,8 +15,6 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem
 from ..quantities import angle, share, stress
-from .description import Description
-from .family import from_table
 from .fields import Number, listed
 from .materials import (
     SOFTEST,
@@ -25,6 +23,7 @@ from .materials import (
     OneModulus,
     PoissonsRatio,
     RelaxationTime,
+    RelaxingTerm,
     Stiffness,
     isotropic_stiffness,
 )
@@ -107,7 +106,7 @@ class LossAngle(OneModulus):
         return ((g * self.youngs_modulus, 1 / (2 * pi * self.frequency * sqrt(1 + g))),)
 
 
-class RelativeTerm(Description):
+class RelativeTerm(RelaxingTerm):
     """A term g_k exp(-t/tau_k) of a relative Prony list; fields also accept a pair (g_k, tau_k).
 
     Parameters
@@ -128,13 +127,6 @@ class RelativeTerm(Description):
         Number, share("g_k", "relaxing fraction of the instantaneous modulus"), Field(gt=0, lt=1)
     ]
     time: RelaxationTime
-
-    @classmethod
-    def coerce(cls, value: Any) -> Any:
-        """Return the term of a pair or of a table."""
-        if isinstance(value, (tuple, list)) and len(value) == 2:
-            return cls(fraction=value[0], time=value[1])
-        return from_table(value, [cls]) if isinstance(value, Mapping) else value
 
 
 if TYPE_CHECKING:

@@ -236,11 +236,10 @@ class _Target(Description):
 def _as_profile(problem: RollProblem, pressure: float | Profile) -> Profile:
     """Return the target pressure as a profile from the core to the surface."""
     core, R, limit = problem.core.radius, problem.radius, problem.stack.limit
+    must = f"must be > 0{f' and < {limit:.6g}' if np.isfinite(limit) else ''} [Pa]"
     if not isinstance(pressure, Profile):
         if not 0 < pressure < limit:
-            upper_bound = f" and < {limit:.6g}" if np.isfinite(limit) else ""
-            text = f"{quote(pressure)} is out of range; must be > 0{upper_bound} [Pa]"
-            raise InvalidProblem.at("pressure", text)
+            raise InvalidProblem.at("pressure", f"{quote(pressure)} is out of range; {must}")
         pressure = Profile(radius=[core, R], value=[pressure, pressure])
     for k, edge, name in ((0, core, "core.radius"), (-1, R, "radius")):
         r = pressure.radius[k]
@@ -252,11 +251,8 @@ def _as_profile(problem: RollProblem, pressure: float | Profile) -> Profile:
     for k, P in enumerate(pressure.value):
         # zero is permitted at the last value, the surface
         if not 0 <= P < limit or (P == 0 and k + 1 < len(pressure.value)):
-            upper_bound = f" and < {limit:.6g}" if np.isfinite(limit) else ""
-            raise InvalidProblem.at(
-                f"pressure.value.{k}",
-                f"{quote(P)} is out of range; must be > 0{upper_bound} [Pa], or 0 at the surface",
-            )
+            text = f"{quote(P)} is out of range; {must}, or 0 at the surface"
+            raise InvalidProblem.at(f"pressure.value.{k}", text)
     return pressure
 
 

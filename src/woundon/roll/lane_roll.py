@@ -176,13 +176,8 @@ class LaneRoll:
         import xarray
 
         variables = {
-            name: (
-                ("radius", "position"),
-                values.T,
-                {"units": q.unit, "long_name": q.meaning, "symbol": q.symbol},
-            )
+            name: (("radius", "position"), values.T, LANE_QUANTITIES[name].attributes)
             for name, values in self.arrays.items()
-            for q in [LANE_QUANTITIES[name]]
         }
         across = {
             "share": ("position", self.lanes.share, {"units": "1"}),

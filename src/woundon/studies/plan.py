@@ -140,7 +140,7 @@ def next_experiment(
     fitted = problem if isinstance(problem, FitResult) else None
     base: Any = fitted.problem if fitted is not None else problem
     main_outputs = kind_of(base).result.MAIN
-    prior = _prior(base, unknown, fitted)
+    prior = _prior(unknown, fitted)
     theta = {
         name: varied_number(base, name, f"unknown: {name}", is_relative=True) for name in prior
     }
@@ -242,9 +242,7 @@ def _result(
 # ---- unknown fields ------------------------------------------------------------------------------
 
 
-def _prior(
-    base: Problem, unknown: Mapping[str, float | str], fitted: FitResult | None
-) -> dict[str, float]:
+def _prior(unknown: Mapping[str, float | str], fitted: FitResult | None) -> dict[str, float]:
     """Return the prior relative standard deviations; inf for a parameter of a fit without one."""
     prior = {} if fitted is None else dict.fromkeys(fitted.names, np.inf)
     for name, value in unknown.items():

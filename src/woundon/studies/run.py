@@ -448,9 +448,7 @@ class Table(Presented):
     def _attributes(self, name: str) -> dict[str, str]:
         """Return unit, name and symbol of an input or output for xarray."""
         quantity = self.quantities.get(name)
-        if quantity is None:
-            return {}
-        return {"units": quantity.unit, "long_name": quantity.meaning, "symbol": quantity.symbol}
+        return quantity.attributes if quantity else {}
 
     def plot(self, output: str, path: str | PathLike[str] | None = None) -> Figure | Axes:
         """Draw one output over the inputs."""
