@@ -32,8 +32,8 @@ import numpy as np
 
 import woundon as wo
 from woundon.io.compression import read_compression_test
-from woundon.studies.columns import columns_of, conversion_of, measurable_outputs
-from woundon.studies.measured import read_measured
+from woundon.studies.column_names import columns_of, conversion_of, measurable_outputs
+from woundon.studies.measured_tables import read_measured
 
 __all__ = ["TableFile", "outcome", "random_file"]
 

@@ -17,8 +17,8 @@ from process_tasks import crash_at_three
 
 import woundon as wo
 from woundon.quantities import Quantity, pure
-from woundon.studies.measurements import Observations
 from woundon.studies.model import Answer
+from woundon.studies.observations import Observations
 
 # a roll of 60 layers with full slip in the nip, so that no nip is solved
 BOARD = wo.WindingProblem.example().replace(

@@ -17,9 +17,9 @@ from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
 from woundon.studies.fit import MOST_STARTS, fit_parameters
-from woundon.studies.measurements import read_observations
 from woundon.studies.minimise import Linearisation, minimise
 from woundon.studies.model import KindModel, model_of
+from woundon.studies.observations import read_observations
 from woundon.studies.predict import Parameter, Predictor
 from woundon.studies.profiles import find_end, threshold
 from woundon.studies.run import Workers

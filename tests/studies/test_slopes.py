@@ -11,8 +11,8 @@ from registered_kinds import registered
 from thesis_cases import film_nip, paper_nip
 
 import woundon as wo
-from woundon.studies.measurements import Observable
 from woundon.studies.model import model_of
+from woundon.studies.observations import Observable
 from woundon.studies.slopes import slopes
 
 RUBBER = wo.Isotropic(

@@ -158,8 +158,8 @@ OF_PLUGINS = {
     *("SemismoothNewton.solve", "refine", "neighbouring_solution"),
     # functions, problems and results of a kind
     *("solve", "NotConverged.__init__"),
-    # the value of a field or an output by its name
-    *("get_field", "field_or_none", "value_of"),
+    # the value of a field or an output by its name, and the default of a field of any type
+    *("get_field", "field_or_none", "value_of", "default"),
     # the options of a figure, and the number or array that a function was given
     *("figure_of", "as_given"),
 }

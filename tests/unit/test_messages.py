@@ -21,8 +21,8 @@ from woundon.cli.commands import main
 from woundon.io.case_files import apply_settings, make_problem, to_toml
 from woundon.problems.units import parse
 from woundon.studies.api import study_of
-from woundon.studies.columns import columns_of, measurable_outputs
-from woundon.studies.measured import read_measured
+from woundon.studies.column_names import columns_of, measurable_outputs
+from woundon.studies.measured_tables import read_measured
 from woundon.studies.study_file import load_study
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "newsprint_table2.toml"

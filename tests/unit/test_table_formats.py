@@ -25,8 +25,8 @@ from woundon.io.tables import Names, is_known_header
 from woundon.io.words import names_of_word
 from woundon.problems.radial_laws import StackTest
 from woundon.quantities import quantity_of
-from woundon.studies.columns import columns_of, measurable_outputs
-from woundon.studies.measured import read_measured
+from woundon.studies.column_names import columns_of, measurable_outputs
+from woundon.studies.measured_tables import read_measured
 
 NIP = wo.NipProblem.example()
 STACK = {name: quantity_of(field) for name, field in StackTest.model_fields.items()}

@@ -14,9 +14,9 @@ import woundon as wo
 from woundon.errors import InvalidProblem
 from woundon.io import sheets, table_files
 from woundon.studies.api import study_of
-from woundon.studies.columns import columns_of, measurable_outputs
+from woundon.studies.column_names import columns_of, measurable_outputs
 from woundon.studies.export import check_export
-from woundon.studies.measured import Measured, read_measured
+from woundon.studies.measured_tables import Measured, read_measured
 
 NIP = wo.NipProblem.example()
 

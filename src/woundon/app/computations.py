@@ -33,7 +33,7 @@ from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
 from ..studies.api import range_in_si
 from ..studies.cases import Chunk
-from ..studies.columns import measurable_outputs
+from ..studies.column_names import measurable_outputs
 from ..studies.find import find as find_values
 from ..studies.model import KindModel, model_of, quantities_of
 from ..studies.run import solve_chunk

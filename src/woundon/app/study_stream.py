@@ -30,11 +30,11 @@ from ..parallel import Cancelled, usable_cores
 from ..problems.problem import Problem
 from ..studies.api import study_of
 from ..studies.cases import Chunk, as_labels
-from ..studies.columns import columns_of
+from ..studies.column_names import columns_of
 from ..studies.fit import fit as fit_problem
 from ..studies.fit_result import FitResult
-from ..studies.measurements import measured_columns
 from ..studies.model import KindModel
+from ..studies.observations import measured_columns
 from ..studies.run import solve_chunk
 from ..studies.study_file import SCHEMA, study_of_tables
 from ..studies.window import operating_window

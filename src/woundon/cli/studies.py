@@ -274,7 +274,7 @@ def plan(
     """Choose the next measurement by its expected information."""
     from ..studies.export import write_table
     from ..studies.plan import next_experiment
-    from ..studies.plan_file import load_plan
+    from ..studies.study_file import load_plan
 
     keywords = load_plan(study)
     options.check_unit_names(keywords["problem"])

@@ -116,7 +116,7 @@ def read_case(path: str | Path) -> dict[str, Any]:
     return tables | {"grade": grade(name, folder / file)}
 
 
-def names_of_files(part: Any, path: str = "") -> Iterator[str]:
+def names_of_files(part: Mapping[str, Any] | list[object], path: str = "") -> Iterator[str]:
     """Yield the dotted names of a case, or of a part of it, that hold a file in place of lists.
 
     Parameters

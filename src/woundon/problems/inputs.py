@@ -202,7 +202,7 @@ def real_number(number: object) -> float:
         return inf if value > 0 else -inf
 
 
-def is_array(value: Any) -> bool:
+def is_array(value: object) -> bool:
     """Return True for arrays, scalars and series of NumPy and of libraries that build on it."""
     return hasattr(value, "dtype") and hasattr(value, "tolist")
 

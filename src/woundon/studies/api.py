@@ -190,7 +190,7 @@ def in_si(problem: Problem, over: Mapping[str, Any]) -> dict[str, Any]:
     return {name: _numbers(problem, name, entry) for name, entry in over.items()}
 
 
-def range_in_si(problem: Problem, name: str, ends: Any, where: str = "") -> tuple[float, float]:
+def range_in_si(problem: Problem, name: str, ends: object, where: str = "") -> tuple[float, float]:
     """Return the ends of a range of a field in SI; they may be texts with units.
 
     An end is permitted if the problem with this value has no fault of the field itself.  Faults of

@@ -30,7 +30,7 @@ from ..problems.paths import field_or_none, is_part_of, nest_tables
 from ..problems.problem import Problem
 from ..quantities import header, is_on_request, pattern, scalar_outputs
 from .cases import Solved, table_of_cases
-from .columns import (
+from .column_names import (
     ANNOTATIONS,
     column_names,
     columns_of,

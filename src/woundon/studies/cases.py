@@ -315,7 +315,7 @@ def cases_in_ranges(ranges: Mapping[str, Any], points: Array, design: str = "tab
 
 
 def read_range(
-    where: str, ends: Any, number: Callable[[Any], float | None], *, may_be_log: bool = False
+    where: str, ends: object, number: Callable[[Any], float | None], *, may_be_log: bool = False
 ) -> tuple[float, float, bool]:
     """Return the ends of a range, and whether it is one of logarithms.
 

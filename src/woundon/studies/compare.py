@@ -21,8 +21,8 @@ from ..problems.paths import get_field, number_in_si, varied_number
 from ..problems.problem import Problem
 from .compare_result import Comparison
 from .explanations import InputEffects, SolvedCase, explain
-from .input_scatter import with_input_scatter
-from .measurements import (
+from .model import KindModel, model_of, solver_options
+from .observations import (
     TAB,
     Observations,
     definitions,
@@ -31,8 +31,7 @@ from .measurements import (
     read_deviation,
     read_observations,
 )
-from .model import KindModel, model_of, solver_options
-from .predict import Case, cases_of
+from .predict import Case, cases_of, with_input_scatter
 from .progress import Progress, progress_reporter
 from .pull_tab import PullTab
 from .slopes import solve_case

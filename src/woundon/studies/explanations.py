@@ -30,8 +30,8 @@ from ..problems.problem import Problem
 from ..quantities import numbers_of, pure
 from ..results import Result
 from .compare_result import Comparison, Explanation
-from .measurements import PRESSURE, RADIUS, TAB, TAB_FORCE, predict
 from .model import KindModel, quantities_of
+from .observations import PRESSURE, RADIUS, TAB, TAB_FORCE, predict
 from .predict import Case
 from .slopes import on_mesh_of, solve_case
 

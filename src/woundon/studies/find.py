@@ -26,8 +26,8 @@ from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units
 from ..results import Result
 from .api import range_in_si
-from .measurements import Observable
 from .model import model_of, quantities_of, solver_options
+from .observations import Observable
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
 from .root_search import DECADE, Interval, RootSearch, Sample

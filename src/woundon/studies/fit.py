@@ -30,11 +30,10 @@ from ..problems.paths import varied_value
 from ..problems.problem import Problem
 from .api import range_in_si
 from .fit_result import FitResult
-from .input_scatter import with_input_scatter
-from .measurements import Observations, read_observations
 from .minimise import ACCURACY, Linearisation, minimise
 from .model import model_of, options_of, quantities_of, solver_options
-from .predict import Parameter, Predictor
+from .observations import Observations, read_observations
+from .predict import Parameter, Predictor, with_input_scatter
 from .profiles import End, ProfileLikelihood, find_end, profile_of, threshold
 from .progress import Progress, progress_reporter
 from .run import Workers

@@ -36,8 +36,8 @@ from ..problems.paths import field_quantity, varied_number
 from ..problems.problem import Problem
 from ..problems.units import parse
 from .fit_result import FitResult
-from .measurements import read_deviation
 from .model import kind_of, solver_options
+from .observations import read_deviation
 from .plan_result import NextExperiment, percent
 from .planned import Measurement, PlannedMeasurement, SolvedStates, plan_measurement
 from .progress import Progress, progress_reporter

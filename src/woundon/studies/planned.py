@@ -25,10 +25,10 @@ from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity
 from ..results import Result
-from .columns import columns_of, measurable_outputs
-from .measured import MEASURED_AS
-from .measurements import PRESSURE, RADIUS, Observable, arrays_over_radius, read_deviation
+from .column_names import columns_of, measurable_outputs
+from .measured_tables import MEASURED_AS
 from .model import KindModel, kind_of, model_of
+from .observations import PRESSURE, RADIUS, Observable, arrays_over_radius, read_deviation
 from .predict import Case, cases_of
 from .slopes import slopes, solve_case
 

@@ -7,19 +7,19 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp, log
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, NotConverged
 from ..results import Result
-from .measurements import Observable, Observations, predict
 from .model import KindModel
+from .observations import Observable, Observations, predict
 from .slopes import slopes, solve_case
 
-__all__ = ["Case", "Parameter", "Predictor", "cases_of"]
+__all__ = ["Case", "Parameter", "Predictor", "cases_of", "with_input_scatter"]
 
 Array = np.ndarray
 # Solutions that are kept for warm starts, those of at least three points u: one takes 5 to 30 MB.
@@ -305,3 +305,40 @@ class Predictor:
 
 def _no_report() -> None:
     """Report nothing; a lambda could not be sent to a worker."""
+
+
+def with_input_scatter(model: KindModel, data: Observations) -> Observations:
+    """Return measured values whose standard deviations contain the scatter of the inputs.
+
+    The difference between a prediction Q(x) and a measured value y with the deviation s_y has the
+    variance
+
+        s_y^2 + sum_j (dQ/dx_j s_j)^2
+
+    to first order (method of effective variance, Orear 1982), with the derivatives of the base
+    problem and the standard deviations s_j of the inputs x_j of its row, which a column
+    "nip_load +- [kN/m]" states.
+
+    Values without a standard deviation of their own remain without one: their scatter, which
+    contains that of the inputs, follows from the residuals.
+
+    Parameters
+    ----------
+    model : KindModel
+        The base problem.
+    data : Observations
+    """
+    if not data.input_deviations or not np.isfinite(data.deviation).any():
+        return data
+    names = list(data.input_deviations)
+    scatter = np.column_stack([data.input_deviations[name][data.rows] for name in names])  # (m, j)
+    variance, start = np.zeros(len(data.names)), None
+    for case in cases_of(data.inputs_of_values, data.observables):
+        try:
+            start = result = solve_case(model, case.inputs, start)
+            derivatives = case.slopes(model, result, names)
+        except (InvalidProblem, NotConverged):  # reported where the value is predicted
+            continue
+        effects = np.nan_to_num(derivatives) * scatter[case.rows]
+        variance[case.rows] = np.sum(effects**2, axis=1)
+    return replace(data, deviation=np.hypot(data.deviation, np.sqrt(variance)))

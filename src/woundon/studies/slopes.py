@@ -26,8 +26,8 @@ from ..problems.problem import Problem
 from ..quantities import numbers_of, scalar_outputs, value_of
 from ..results import Result
 from ..sensitivity import Sensitivity
-from .measurements import Observable, predict
 from .model import KindModel, model_of, options_of
+from .observations import Observable, predict
 
 __all__ = ["derivatives", "on_mesh_of", "slopes", "solve_case"]
 

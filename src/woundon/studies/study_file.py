@@ -1,9 +1,13 @@
-"""Read study files: a base case of any kind, varied fields and outputs; units as in case files."""
+"""Read study files: a base case of any kind and what is varied; units as in case files.
+
+Of ``woundon sweep`` they have varied fields and outputs, of ``woundon plan`` unknown fields,
+measurements and candidates.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,17 +19,14 @@ from ..io.case_files import load_case, make_problem, read_case
 from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
 from .cases import DESIGNS
+from .planned import Measurement
 
 __all__ = [
     "SCHEMA",
     "StudyFile",
-    "base_case",
-    "check_names",
-    "check_tables",
-    "flat_names",
+    "load_plan",
     "load_study",
     "study_of_tables",
-    "table_of",
 ]
 
 SCHEMA = 1
@@ -96,9 +97,9 @@ def study_of_tables(
     InvalidProblem
         As of :func:`load_study`.
     """
-    check_tables(content, _KNOWN)
-    problem = base_case(content.get("case"), folder)
-    design = _design(table_of(content, "design"))
+    _check_tables(content, _KNOWN)
+    problem = _base_case(content.get("case"), folder)
+    design = _design(_table_of(content, "design"))
     is_drawn = ranges or design.get("design", "grid") not in ("grid", "table")
     over: Mapping[str, Any] | Path
     if isinstance(content.get("over"), str) and not is_drawn and folder is not None:
@@ -106,16 +107,16 @@ def study_of_tables(
     else:
         over = {
             name: _values(problem, name, entry, is_drawn)
-            for name, entry in flat_names(table_of(content, "over")).items()
+            for name, entry in _flat_names(_table_of(content, "over")).items()
         }
     return StudyFile(
         problem=problem,
         over=over,
         outputs=_outputs(content.get("outputs")),
         columns=_columns(content),
-        tie=table_of(content, "tie"),
+        tie=_table_of(content, "tie"),
         design=design,
-        options=table_of(content, "solver"),
+        options=_table_of(content, "solver"),
     )
 
 
@@ -123,7 +124,7 @@ def _columns(content: Mapping[str, Any]) -> dict[str, str | None] | None:
     """Return the names of the columns of the table of cases; an empty name omits one."""
     if "columns" not in content:
         return None
-    columns = table_of(content, "columns")
+    columns = _table_of(content, "columns")
     if not isinstance(content.get("over"), str):
         raise InvalidProblem.at("columns", "there is no table; write over = 'FILE'")
     for header, name in columns.items():
@@ -132,7 +133,7 @@ def _columns(content: Mapping[str, Any]) -> dict[str, str | None] | None:
     return {header: name or None for header, name in columns.items()}
 
 
-def base_case(case: Any, folder: Path | None) -> Problem:
+def _base_case(case: Any, folder: Path | None) -> Problem:
     """Return the base case: the path of a case file, or the case as a table."""
     if isinstance(case, str) and folder is not None:
         return load_case(folder / case)
@@ -141,21 +142,21 @@ def base_case(case: Any, folder: Path | None) -> Problem:
     raise InvalidProblem.at("case", "missing; give the path of a case file, or the case as [case]")
 
 
-def check_tables(content: Mapping[str, Any], known: Sequence[str]) -> None:
+def _check_tables(content: Mapping[str, Any], known: Sequence[str]) -> None:
     """Reject a study file with unknown tables, or of another schema."""
-    check_names(content, known)
+    _check_names(content, known)
     if content.get("schema") != SCHEMA:
         raise InvalidProblem.at("schema", f"write 'schema = {SCHEMA}' at the top of the file")
 
 
-def check_names(table: Mapping[str, Any], known: Sequence[str], prefix: str = "") -> None:
+def _check_names(table: Mapping[str, Any], known: Sequence[str], prefix: str = "") -> None:
     """Reject unknown names in a table of a study file."""
     for name in table:
         if name not in known:
             raise InvalidProblem.at(f"{prefix}{name}", f"no such field{did_you_mean(name, known)}")
 
 
-def table_of(content: Mapping[str, Any], name: str) -> dict[str, Any]:
+def _table_of(content: Mapping[str, Any], name: str) -> dict[str, Any]:
     """Return a table of a file, empty if it is missing."""
     table = content.get(name, {})
     if not isinstance(table, Mapping):
@@ -175,7 +176,7 @@ def _outputs(outputs: Any) -> tuple[str, ...] | None:
 
 def _design(table: dict[str, Any]) -> dict[str, Any]:
     """Return the design of a study file as keyword arguments of a sweep."""
-    check_names(table, ("kind", "samples", "seed"), "design.")
+    _check_names(table, ("kind", "samples", "seed"), "design.")
     kind = table.pop("kind", "grid")
     if kind not in DESIGNS:
         text = f"{kind!r} is unknown{did_you_mean(kind, DESIGNS)}"
@@ -183,16 +184,16 @@ def _design(table: dict[str, Any]) -> dict[str, Any]:
     return {"design": kind, **table}
 
 
-def flat_names(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+def _flat_names(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     """Return a table with dotted names instead of nested tables; ranges { from, to } stay tables.
 
-    >>> flat_names({"web": {"thickness": [1.0]}})
+    >>> _flat_names({"web": {"thickness": [1.0]}})
     {'web.thickness': [1.0]}
     """
     flat: dict[str, Any] = {}
     for name, value in table.items():
         if isinstance(value, Mapping) and not {"from", "to"} & set(value):
-            flat |= flat_names(value, f"{prefix}{name}.")
+            flat |= _flat_names(value, f"{prefix}{name}.")
         else:
             flat[f"{prefix}{name}"] = value
     return flat
@@ -239,7 +240,7 @@ def _spread(
         Whether samples are drawn from the range.
     """
     known = ("from", "to", "spacing", *(() if is_drawn else ("count",)))
-    check_names(entry, known, f"{where}.")
+    _check_names(entry, known, f"{where}.")
     for name in set(known) - {"spacing"}:
         if name not in entry:
             raise InvalidProblem.at(f"{where}.{name}", "missing")
@@ -258,3 +259,55 @@ def _spread(
     if low <= 0 or high <= 0:
         raise InvalidProblem.at(where, "a logarithmic range must lie above 0")
     return np.geomspace(low, high, count)
+
+
+# ---- plans of measurements ---------------------------------------------------------------------
+
+_BY_FIELD = ("unknown", "tie", "operating_point")  # tables of values by names of fields
+_KNOWN_IN_PLAN = ("schema", "case", "candidate", "completed", "plan", "solver", *_BY_FIELD)
+_PLAN = ("count", "criterion", "output", "draws", "seed")
+_MEASUREMENT = ("case", *(field.name for field in fields(Measurement) if field.name != "problem"))
+
+
+def load_plan(path: str | Path) -> dict[str, Any]:
+    """Return the keywords of :func:`~woundon.studies.plan.next_experiment` in a study file.
+
+    Raises
+    ------
+    InvalidProblem
+        For a file that cannot be read, or invalid fields.
+    """
+    path = Path(path)
+    content = read_case(path)
+    _check_tables(content, _KNOWN_IN_PLAN)
+    settings = _table_of(content, "plan")
+    _check_names(settings, _PLAN, "plan.")
+    return {
+        "problem": _base_case(content.get("case"), path.parent),
+        "candidates": _measurements(content, "candidate", path.parent),
+        "completed": _measurements(content, "completed", path.parent),
+        "options": _table_of(content, "solver"),
+        **{name: _flat_names(_table_of(content, name)) for name in _BY_FIELD},
+        **settings,
+    }
+
+
+def _measurements(content: Mapping[str, Any], name: str, folder: Path) -> list[Measurement]:
+    """Return the measurements in an array of tables of a study file."""
+    tables = content.get(name, [])
+    if not isinstance(tables, list) or not all(isinstance(table, Mapping) for table in tables):
+        raise InvalidProblem.at(name, f"must be tables; write [[{name}]] above each")
+    return [_measurement(table, f"{name}.{k}", folder) for k, table in enumerate(tables)]
+
+
+def _measurement(table: Mapping[str, Any], where: str, folder: Path) -> Measurement:
+    """Return the measurement that a table of a study file describes."""
+    _check_names(table, _MEASUREMENT, f"{where}.")
+    if "quantity" not in table:
+        raise InvalidProblem.at(f"{where}.quantity", "missing; give the name of an output")
+    keywords = {name: value for name, value in table.items() if name != "case"}
+    for name in ("at", "fields"):
+        keywords[name] = _flat_names(_table_of(table, name))
+    if "case" in table:
+        keywords["problem"] = _base_case(table["case"], folder)
+    return Measurement(**keywords)

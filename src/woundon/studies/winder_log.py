@@ -15,8 +15,8 @@ from ..io.logs import POSITIONS, BinnedLog, read_binned
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, schedule_fields
 from ..quantities import Quantity, walk
-from .columns import columns_of, conversion_of
-from .measurements import measured_columns
+from .column_names import columns_of, conversion_of
+from .observations import measured_columns
 from .outcome import Outcome
 
 if TYPE_CHECKING:

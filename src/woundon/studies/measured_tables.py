@@ -19,7 +19,7 @@ from ..io.cells import Conversion, Fault, numbers, raise_faults
 from ..io.sheets import read_sheet
 from ..io.tables import Column, Names, is_known_header, match_columns
 from ..quantities import Quantity
-from .columns import ANNOTATIONS
+from .column_names import ANNOTATIONS
 
 __all__ = ["MEASURED_AS", "Measured", "read_measured"]
 

@@ -23,8 +23,8 @@ from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
 from ..results import Result
-from .columns import columns_of, conversion_of, measurable_outputs
-from .measured import read_measured
+from .column_names import columns_of, conversion_of, measurable_outputs
+from .measured_tables import read_measured
 from .model import kind_of
 from .pull_tab import PullTab
 
@@ -130,7 +130,7 @@ def read_observations(
     ----------
     problem : Problem
     data, columns
-        As of :func:`~.measured.read_measured`.
+        As of :func:`~.measured_tables.read_measured`.
     tab : PullTab, optional
     over_radius : bool
         Whether the table may contain values that belong to a radius of a roll.
