@@ -6,6 +6,7 @@ commands, ``pyproject.toml`` and the package directories.  The pages are read as
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
 import pkgutil
 import re
@@ -18,6 +19,7 @@ import woundon
 from woundon import kinds
 from woundon.cli import commands as cli
 from woundon.jorkama2001.command import thesis
+from woundon.quantities import outputs
 
 ROOT = Path(__file__).parents[2]
 
@@ -58,6 +60,23 @@ def test_every_kind_is_documented(kind: kinds.Kind) -> None:
     assert f".{name}\n" in page("docs/reference/problems.md")
     assert f".{kind.result.__name__}\n" in page("docs/reference/results.md")
     assert f"wo.{name}" in page("docs/start/faq.md")
+
+
+def members_of(name: str) -> set[str]:
+    """Return the members of a class that the page of results lists."""
+    listed = re.search(
+        rf"autoclass:: [\w.]+\.{name}\n((?: {{3}}.*\n)*)", page("docs/reference/results.md")
+    )
+    assert listed
+    return set(re.findall(r"\w+", listed[1].replace(":members:", "")))
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+def test_every_output_of_a_result_is_listed(kind: kinds.Kind) -> None:
+    """Fields are listed in the docstring of the class, outputs of its parts at the parts."""
+    in_docstring = {field.name for field in dataclasses.fields(kind.result)}
+    names = {place.path for place in outputs(kind.result) if "." not in place.path}
+    assert not names - in_docstring - members_of(kind.result.__name__) - members_of("Result")
 
 
 def test_the_command_line_page_lists_the_kinds() -> None:
