@@ -34,7 +34,8 @@ from woundon.quantities import (
     scalar_outputs,
     walk,
 )
-from woundon.report.figures import printed_unit, symbol_text, unit_of
+from woundon.report.figures import symbol_text, unit_of
+from woundon.report.report_parts import printed_unit
 
 Rows = list[tuple[str, ...]]
 

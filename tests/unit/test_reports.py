@@ -16,6 +16,8 @@ from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import kinds, quantities
+from woundon.report.figures import unit_of
+from woundon.report.html import unit_html
 from woundon.report.html_report import _inputs, _is_omitted, report_file
 from woundon.report.nip_report import nip_report
 from woundon.report.report_parts import Row, Section, certificate_line, value_row, zone_line
@@ -305,6 +307,12 @@ def test_inputs_leave_out_zeros_without_effect_only():
     assert not {"core_shrinkage", "tangential_expansion"} & omitted
 
 
+def test_units_are_typeset_alike_in_figures_and_pages():
+    """The stress at the edge of a zone; the page had a power of 1/2, the figure a root."""
+    quantity = wo.Quantity("K", "Pa/m**0.5", "stress intensity")
+    assert unit_of(quantity) == unit_html(quantity.display) == "Pa/√m"
+
+
 def test_powers_and_products_of_units_are_typeset_in_pages():
     """The centrifugal force has a symbol with a square; defaults have units with powers."""
     winding = wo.WindingProblem.example().replace(
@@ -313,7 +321,7 @@ def test_powers_and_products_of_units_are_typeset_in_pages():
     )  # fmt: skip
     page = report_file([wo.solve(winding)])
     assert "<i>m</i> <i>V</i><sup>2</sup>" in page
-    for text in ("inertia.drum = 0 kg·m<sup>2</sup>", "acceleration = 0 m/s<sup>2</sup>"):
+    for text in ("inertia.drum = 0 kg·m²", "acceleration = 0 m/s²"):
         assert text in page
     texts = re.sub(r"<(svg|style).*?</\1>", "", page, flags=re.DOTALL)
     assert re.findall(r"\w(?:</?\w+>)*\^\d|[a-z]\*[a-z]", texts) == []

@@ -24,7 +24,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from ..io.files import check_ending, write_whole
 from ..quantities import Quantity
 from .panels import Axis
-from .report_parts import GREEK, SYMBOL
+from .report_parts import GREEK, SYMBOL, printed_unit
 
 __all__ = [
     "COLOURS",
@@ -34,7 +34,6 @@ __all__ = [
     "figure_bytes",
     "formulas",
     "named_value",
-    "printed_unit",
     "save_figure",
     "style",
     "symbol_text",
@@ -61,16 +60,6 @@ ZONE_COLOURS = {-1: COLOURS["amber"], 0: "#F0F0F0", 1: COLOURS["sky"]}
 ZONE_HATCHES = {-1: "\\\\\\\\", 0: "", 1: "////"}
 FORMULA = re.compile(r"\$([^$]*)\$")  # in a label
 MICROMETRES = re.compile(r"(?<=\d )um\b")  # in a label
-# parts of units as they are printed, the power before the product
-_PRINTED = {
-    "um": "µm",
-    "m**0.5": "√m",
-    "^2": "²",
-    "^3": "³",
-    "*": "·",
-    "degC": "°C",
-    "degF": "°F",
-}
 WORD = re.compile(r"[A-Za-z]+\d*(?:_\w+)?[+-]?")  # a symbol in a formula
 
 _STYLE: Any = {
@@ -196,17 +185,6 @@ def figure_bytes(figure: Figure, ending: str, *, dpi: int | None = None) -> byte
 def unit_of(quantity: Quantity) -> str:
     """Return a quantity's unit for display as figures write it: µm, lb/ft³, Pa·s."""
     return printed_unit(quantity.display)
-
-
-def printed_unit(unit: str) -> str:
-    """Return a unit as figures and tables write it.
-
-    >>> printed_unit("um"), printed_unit("kg*m^2"), printed_unit("Pa/m**0.5"), printed_unit("degF")
-    ('µm', 'kg·m²', 'Pa/√m', '°F')
-    """
-    for written, printed in _PRINTED.items():
-        unit = unit.replace(written, printed)
-    return unit
 
 
 def text_of(quantity: Quantity, value: float, form: str = ".4g") -> str:

@@ -12,7 +12,17 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from ..results import zone_runs
-from .report_parts import GREEK, SYMBOL, Line, Part, Section, Table, TableRow, ZoneStrips
+from .report_parts import (
+    GREEK,
+    SYMBOL,
+    Line,
+    Part,
+    Section,
+    Table,
+    TableRow,
+    ZoneStrips,
+    printed_unit,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -104,9 +114,9 @@ def label_html(text: str) -> str:
     >>> label_html("winding force, F = -M2/R2")[15:]
     '<span style="white-space:nowrap"><i>F</i> = -<i>M</i><sub>2</sub>/<i>R</i><sub>2</sub></span>'
     >>> label_html("acceleration = 0.5 m/s^2, inertia = 3 kg*m^2")
-    'acceleration = 0.5 m/s<sup>2</sup>, inertia = 3 kg·m<sup>2</sup>'
+    'acceleration = 0.5 m/s², inertia = 3 kg·m²'
     """
-    return _printed(_FORMULA.sub(lambda match: _formula(match[0]), escape(text)))
+    return printed_unit(_FORMULA.sub(lambda match: _formula(match[0]), escape(text)))
 
 
 def _formula(text: str) -> str:
@@ -117,32 +127,13 @@ def _formula(text: str) -> str:
     return f'<span style="white-space:nowrap">{words}</span>' if " " in text else words
 
 
-# units as they are printed
-_UNITS = (
-    (r"\bum\b", "µm"),
-    (r"\bdeg([CF])\b", r"°\1"),
-    (r"\*\*0\.5", "<sup>1/2</sup>"),
-    (r"\*", "·"),
-    (r"\^(\d)", r"<sup>\1</sup>"),
-)
-
-
 def unit_html(unit: str) -> str:
     """Return a unit, or a number with its unit, as it is printed.
 
-    >>> unit_html("um"), unit_html("kg/m^3"), unit_html("Pa/m**0.5"), unit_html("aluminium")
-    ('µm', 'kg/m<sup>3</sup>', 'Pa/m<sup>1/2</sup>', 'aluminium')
-    >>> unit_html("-36 degF"), unit_html("N*m")
-    ('-36 °F', 'N·m')
+    >>> unit_html("kg/m^3"), unit_html("a < b")
+    ('kg/m³', 'a &lt; b')
     """
-    return _printed(escape(unit))
-
-
-def _printed(text: str) -> str:
-    """Return an escaped text with its units as they are printed."""
-    for pattern, printed in _UNITS:
-        text = re.sub(pattern, printed, text)
-    return text
+    return printed_unit(escape(unit))
 
 
 # ---- tables -------------------------------------------------------------------------------------

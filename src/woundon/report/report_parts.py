@@ -43,6 +43,7 @@ __all__ = [
     "friction_bounds",
     "nip_zones",
     "output_row",
+    "printed_unit",
     "quantity_of",
     "roller_zones",
     "row_of",
@@ -60,9 +61,32 @@ Array = np.ndarray
 DIGITS = 5  # significant ones of a value
 MOST_LISTED = 8  # values of a field that are listed; more are given by their number and range
 _GREEK_NAMES = "alpha beta gamma delta Delta eps kappa mu nu omega rho sigma tau theta xi"
+# Units as they are printed: patterns of parts of them, the power before the product.  The page has
+# the same in typeset() of units.js.
+_PRINTED_UNITS = (
+    (r"\bum\b", "µm"),
+    (r"\bdeg([CF])\b", r"°\1"),
+    (r"\bm\*\*0\.5", "√m"),
+    *((rf"\^{power}\b", raised) for power, raised in zip("2345", "²³⁴⁵", strict=True)),
+    (r"\*", "·"),
+)
+
 GREEK = frozenset(_GREEK_NAMES.split())
 # factor, letter, number, index, and sign or exponent of "2a", "mu+", "s_l+", "K1", "V^2"
 SYMBOL = re.compile(r"(\d*)([A-Za-z]+?)(\d*)(?:_(\w+(?:,\w+)*))?\^?([+-]?|(?<=\^)\d)")
+
+
+def printed_unit(text: str) -> str:
+    """Return a unit, or a text with units after numbers, as figures, reports and pages print it.
+
+    >>> printed_unit("um"), printed_unit("kg*m^2"), printed_unit("Pa/m**0.5")
+    ('µm', 'kg·m²', 'Pa/√m')
+    >>> printed_unit("-36 degF"), printed_unit("aluminium")
+    ('-36 °F', 'aluminium')
+    """
+    for written, printed in _PRINTED_UNITS:
+        text = re.sub(written, printed, text)
+    return text
 
 
 @dataclass(frozen=True)

@@ -348,7 +348,7 @@ def read_range(
         raise InvalidProblem.at(where, f"{quote(ends)} is not a range; write {forms}")
     if not -inf < low < high < inf or (is_log and low <= 0):
         must = "0 < low < high" if is_log else "low < high"
-        raise InvalidProblem.at(where, f"{quote(ends)} is not a range: must be {must}")
+        raise InvalidProblem.at(where, f"{quote(ends)} is not a range; must be {must}")
     return low, high, is_log
 
 

@@ -1,11 +1,11 @@
 // Numbers are SI everywhere; here they become what people see, and back.
 import { T } from "./texts.js";
 
-const RAISED = { 2: "²", 3: "³" };
+const RAISED = { 2: "²", 3: "³", 4: "⁴", 5: "⁵" };
 
 /** A text with its units as they are printed: "um" -> "µm", "lb/ft^3" -> "lb/ft³", "Pa*s" -> "Pa·s". */
 export const typeset = (text) => text.replace(/\bum\b/g, "µm").replace(/\bdeg([CF])\b/g, "°$1").replace(/m\*\*0\.5/g, "√m")
-  .replace(/(?<=[A-Za-z)])\^([23])(?!\d)/g, (_, power) => RAISED[power]).replace(/(?<=[A-Za-z²³])\*(?=[A-Za-z])/g, "·");
+  .replace(/(?<=[A-Za-z)])\^([2-5])(?!\d)/g, (_, power) => RAISED[power]).replace(/(?<=[A-Za-z²³])\*(?=[A-Za-z])/g, "·");
 
 const spelled = (unit) => (unit === "deg" ? "°" : typeset(unit));
 
