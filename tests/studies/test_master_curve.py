@@ -281,3 +281,16 @@ def test_temperatures_are_shown_in_their_scale(scale: str) -> None:
     assert shifts.get_xlabel() == f"Temperature $T$ [{scale.replace('deg', '°')}]"
     assert f"$T$ = 25 {scale}" in {line.get_label() for line in moduli.get_lines()}
     plt.close(figure)
+
+
+def test_the_moduli_are_found_below_a_longer_block_of_an_instrument(tmp_path):
+    """By the names of the columns, as in logs and compression tests."""
+    f = np.logspace(-1, 2, 13)
+    rows = [f"{T},{x},{1e7 * (a * x) ** 0.2},0.325" for T, a in ((20, 10.0), (40, 1.0)) for x in f]
+    specimen = ["length,width,height,mass", *(["12,5,2,3"] * 60), ""]
+    header = "temperature [degC],frequency [Hz],storage_modulus [Pa],tan_delta"
+    (tmp_path / "moduli.csv").write_text("\n".join([*specimen, header, *rows]), encoding="utf-8")
+    with pytest.warns(wo.InputWarning, match="above the header"):
+        curve = wo.master_curve(tmp_path / "moduli.csv", 40)
+    assert curve.temperatures.tolist() == [20, 40]
+    assert curve.frequency.size == 26

@@ -23,7 +23,7 @@ from ..problems.units import parse
 from ..quantities import Quantity, length, strain, stress
 from .cells import numbers_by_name
 from .sheets import Sheet, TableSource
-from .tables import Names, find_columns
+from .tables import Names, find_columns, missing_column
 
 __all__ = ["Branch", "CompressionTest", "branches_of", "read_compression_test", "rising_means"]
 
@@ -200,9 +200,8 @@ def _strain(values: Mapping[str, Array], height: float | str | None, table: Shee
 
 def _missing(name: str, other: str, table: Sheet) -> InvalidProblem:
     """Return the error for a test without a column of the pressure, or of the strain."""
-    text = f"has no column {name} or {other}; its columns are {table.headers}; assign one, as in "
-    example = f"--column 'HEADER={other} [{COLUMNS[other].display}]'"
-    return InvalidProblem.at(table.where, f"{text}{example}. {table.origin}".rstrip(". "))
+    example = f"assign one, as in --column 'HEADER={other} [{COLUMNS[other].display}]'"
+    return missing_column(table, f"{name} or {other}", f"{example}. {table.origin}".rstrip(". "))
 
 
 def _in_si(

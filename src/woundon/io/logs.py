@@ -24,7 +24,7 @@ from ..quantities import Quantity, length, velocity
 from ..quantities import tension as tension_quantity
 from .cells import Conversion, numbers_by_name
 from .sheets import TableSource
-from .tables import Names, find_columns
+from .tables import Names, find_columns, missing_column
 
 __all__ = ["MOST_BINS", "POSITIONS", "BinnedLog", "binned", "read_binned"]
 
@@ -171,8 +171,7 @@ def read_binned(
     if not used:
         usual = [name for name in USUAL if name in fields]
         names_of_fields = list(dict.fromkeys([*usual, *fields]))[:8]
-        text = f"has no column of {one_of(names_of_fields)}; its columns are {table.headers}"
-        raise InvalidProblem.at(table.where, text)
+        raise missing_column(table, f"of {one_of(names_of_fields)}")
     by_name = numbers_by_name(table, matched, names, gaps=True, conversion=conversion)
     radius = POSITIONS[places[0]] * by_name[places[0]]
     moving = [by_name[name] for name in MOVING if name in by_name]

@@ -23,7 +23,7 @@ from .sheets import Sheet, TableSource, find_table
 from .table_files import ColumnCells
 from .words import names_of_word
 
-__all__ = ["Column", "Names", "find_columns", "is_known_header", "match_columns"]
+__all__ = ["Column", "Names", "find_columns", "is_known_header", "match_columns", "missing_column"]
 
 Faults = list[tuple[str, str]]
 Renaming = dict[str, tuple[str, str | None]]  # normalised header -> header as requested, its target
@@ -213,6 +213,21 @@ def find_columns(
     table = find_table(data, what, is_known_header(names, columns), sheet)
     matched = match_columns(table, names, {**(columns or {}), OTHERS: None})
     return table, [column for column in matched if not column.deviation]
+
+
+def missing_column(table: Sheet, needed: str, remedy: str = "") -> InvalidProblem:
+    """Return the error for a table without a column that is needed; it lists those that it has.
+
+    Parameters
+    ----------
+    table : Sheet
+    needed : str
+        Names of the columns, in words.
+    remedy : str
+        Advice at the end of the message.
+    """
+    text = f"has no column {needed}; its columns are {table.headers}"
+    return InvalidProblem.at(table.where, f"{text}; {remedy}" if remedy else text)
 
 
 def match_columns(

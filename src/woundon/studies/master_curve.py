@@ -15,9 +15,9 @@ from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem
 from ..io.cells import numbers_by_name
 from ..io.files import check_ending, check_writable
-from ..io.sheets import Sheet, TableSource, read_sheet
+from ..io.sheets import TableSource, read_sheet
 from ..io.spreadsheets import write_csv
-from ..io.tables import Column, Names, match_columns
+from ..io.tables import Column, Names, is_known_header, match_columns, missing_column
 from ..problems.inputs import NotANumber, real_number
 from ..problems.measured_moduli import WARNING_MISFIT, DynamicTest, frequency_quantity
 from ..problems.messages import not_one_of, quote
@@ -356,14 +356,14 @@ def _isotherms(
         for key, table in tables.items():
             T, own = _temperature(key, "isotherms")
             scales.add(own)
-            rows = _read(read_sheet(table, f"isotherms[{T:g}]"), columns)
+            rows = _read(table, f"isotherms[{T:g}]", columns)
             if T in [each.temperature for each in found]:
                 text = f"{T:g} is given twice; must be different temperatures"
                 raise InvalidProblem.at("isotherms", text)
             found.append(_isotherm(T, rows, np.arange(rows.frequency.size)))
         scale = _common_scale(scales, "isotherms")
     else:
-        rows = _read(read_sheet(tables, "isotherms"), columns)
+        rows = _read(tables, "isotherms", columns)
         if rows.temperature is None:
             raise InvalidProblem.at(rows.where, "has no column temperature; must have one [degC]")
         scale = _common_scale({scale, *rows.scales}, rows.where)
@@ -443,9 +443,13 @@ def _scales_of(column: Column, where: str) -> set[str]:
     return scales
 
 
-def _read(sheet: Sheet, columns: Mapping[str, str | None]) -> _Rows:
-    """Return the columns of a sheet; loss moduli from tan delta where the table has only these."""
+def _read(table: TableSource, where: str, columns: Mapping[str, str | None]) -> _Rows:
+    """Return the columns of a table; loss moduli from tan delta where it has only these.
+
+    ``where`` names columns in memory in error messages.
+    """
     names = Names(COLUMNS)
+    sheet = read_sheet(table, where, is_known_header(names, columns))
     matched = match_columns(sheet, names, columns)
     scales: set[str] = set()
     for column in matched:
@@ -456,7 +460,7 @@ def _read(sheet: Sheet, columns: Mapping[str, str | None]) -> _Rows:
     if "loss_modulus" not in values and "tan_delta" not in values:
         missing.append("loss_modulus or tan_delta")
     if missing:
-        raise InvalidProblem.at(sheet.where, f"has no column {', '.join(missing)}")
+        raise missing_column(sheet, ", ".join(missing))
     for name in ("frequency", "storage_modulus", "loss_modulus", "tan_delta"):
         if name in values and not (values[name] > 0).all():
             row = sheet.numbers[int((~(values[name] > 0)).argmax())]
