@@ -213,12 +213,11 @@ def roll_surface(result: Any) -> Panel:
 def hardness_across(result: Any) -> Panel:
     """Return the panel of the modulus below the surface, averaged over a part of the build-up."""
     lanes = result.lanes
-    roll = result if isinstance(result, RollResult) else result.roll
-    r = lanes.radius.values
+    r, stack = lanes.radius.values, result.roll.problem.stack
     start = r[-1] - STRUCK * (r[-1] - r[0])
     points = np.linspace(start, r[-1], 50)
     pressure = np.array([np.interp(points, r, row) for row in lanes.pressure.values.T])
-    hardness = np.trapezoid(roll.problem.stack.radial.modulus(pressure), points) / (r[-1] - start)
+    hardness = np.trapezoid(stack.radial.modulus(pressure), points) / (r[-1] - start)
     quantity = quantity_of(RollResult, "radial_modulus")
     depth = quantity_of(RollResult, "radius").text(float(r[-1] - start), ".3g")
     return _panel(

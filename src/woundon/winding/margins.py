@@ -550,7 +550,7 @@ def margins(
     >>> found.violated
     ('blocking',)
     """
-    roll = result if isinstance(result, RollResult) else getattr(result, "roll", None)
+    roll = getattr(result, "roll", None)
     if not isinstance(roll, RollResult):
         names = one_of(("WindingResult", "RollResult"))
         raise InvalidProblem.at(
