@@ -20,6 +20,7 @@ from ..errors import InvalidProblem, one_of
 from ..io.logs import POSITIONS
 from ..problems.messages import quote
 from ..problems.problem import Problem
+from ..problems.radii import radii_on_roll
 from ..problems.units import parse
 from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
 from ..results import Result
@@ -348,10 +349,8 @@ def predict(result: Result, observable: Observable) -> float:
         return float(value_of(roll.at(radius), name))
     # an array over the radius, of the winding or of the roll that it has wound
     holder: Any = result if hasattr(type(result), name) or name in vars(result) else roll
-    low, high = float(holder.radius[0]), float(holder.radius[-1])
-    if not low <= radius <= high:
-        text = f"{radius:.6g} is out of range; must be >= {low:.6g} and <= {high:.6g} [m]"
-        raise InvalidProblem.at("measured_radius", text)
+    core, surface = holder.radius[[0, -1]].tolist()
+    radius = float(radii_on_roll(radius, core, surface, "measured_radius"))
     values = np.asarray(value_of(holder, name))
     if values.shape != np.shape(holder.radius):
         raise InvalidProblem.at(name, "is not an output over the radius")
