@@ -8,9 +8,20 @@ from typing import Any
 import numpy as np
 
 from ..quantities import Quantity
-from ..roll.lane_roll import LANE_QUANTITIES, POSITION
+from ..roll.lane_roll import LANE_QUANTITIES, POSITION, edges_of_lanes
 from ..roll.result import RollResult
-from .panels import Axis, Curve, Limits, Map, Mark, Panel, PanelMaker, Scale, round_at_most
+from .panels import (
+    Axis,
+    Curve,
+    Limits,
+    Map,
+    Mark,
+    Panel,
+    PanelMaker,
+    Scale,
+    round_at_most,
+    with_margin,
+)
 from .report_parts import quantity_of
 
 __all__ = ["lane_panels"]
@@ -69,8 +80,8 @@ def lane_panels(result: Any) -> dict[str, PanelMaker]:
 def _to_edges(lanes: Any) -> Array:
     """Return the positions of the L lanes between those of the edges of the web, (L + 2,) [m]."""
     y = lanes.position.values
-    half = (y[1] - y[0]) / 2
-    return np.concatenate([[y[0] - half], y, [y[-1] + half]])
+    left, *_, right = edges_of_lanes(y)
+    return np.concatenate([[left], y, [right]])
 
 
 def _across(lanes: Any) -> Axis:
@@ -122,8 +133,7 @@ def _with_one_zero(*curves: Array) -> list[Limits]:
     """
     sizes = [float(np.max(np.abs(curve))) or even for curve, even in zip(curves, EVEN, strict=True)]
     parts = np.concatenate([curve / size for curve, size in zip(curves, sizes, strict=True)])
-    margin = MARGIN * (float(np.ptp(parts)) or 1.0)
-    low, high = float(parts.min()) - margin, float(parts.max()) + margin
+    low, high = with_margin(parts, MARGIN)
     return [(low * size, high * size) for size in sizes]
 
 

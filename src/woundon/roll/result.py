@@ -295,7 +295,7 @@ class RollResult(WithRoll, RollFields):
         self,
     ) -> Annotated[Array, strain("eps_b", "bending strain at the faces of the layers")]:
         """h/2r, the strain at the faces of a straight web that is bent to the radius r [1]."""
-        return np.asarray(self.problem.web_thickness / (2 * self.radius))
+        return np.asarray(self.problem.bending_strain(self.radius))
 
     @property
     def weight_pressure(

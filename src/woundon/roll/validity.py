@@ -71,7 +71,7 @@ def _strain_warnings(result: RollFields) -> Iterator[str]:
         )
     yield from limit_warning(
         "bending strain",
-        _bending_strain(problem),
+        problem.bending_strain(problem.core.radius),
         "the web is bent to a strain of {} on the core of {0:.4g} mm radius",
         problem.core.radius * 1e3,
     )
@@ -108,7 +108,8 @@ def yield_warnings(problem: RollProblem, yield_strain: float | None) -> tuple[st
     yield_strain : float, optional
         Of the web, if it is known [1].
     """
-    bending, core = _bending_strain(problem), problem.core.radius
+    core = problem.core.radius
+    bending = problem.bending_strain(core)
     wound = float(problem.tension_curve.at(np.array(core))) / problem.stack.tangential
     if yield_strain is None or wound + bending <= yield_strain:
         return ()
@@ -117,8 +118,3 @@ def yield_warnings(problem: RollProblem, yield_strain: float | None) -> tuple[st
         f"{100 * wound:.3g}% by the tension and {100 * bending:.3g}% by bending exceeds the yield "
         f"strain of {100 * yield_strain:.3g}%",
     )
-
-
-def _bending_strain(problem: RollProblem) -> float:
-    """Return h/(2 r_c), the strain at the faces of a web that is bent on the core [1]."""
-    return float(problem.web_thickness / (2 * problem.core.radius))

@@ -1043,7 +1043,7 @@ def _bending(roll: RollResult, limits: Limits, lanes: xarray.Dataset | None) -> 
         strains = even + bent
     else:
         r = lanes.radius.values
-        bent = problem.web_thickness / (2 * r)
+        bent = problem.bending_strain(r)
         tension = _largest_strain_of_lanes(lanes, problem)
         of_lanes = np.maximum(tension, -lanes.hoop_stress.values / E_t)  # radius and position
         lane = int(np.argmax((of_lanes + bent[:, None]).max(axis=0)))
