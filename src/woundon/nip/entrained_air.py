@@ -30,7 +30,7 @@ from .conditions import difference
 if TYPE_CHECKING:
     from ..problems.bodies import Body
     from ..problems.nip import NipProblem
-    from .equations import NipEquations, NipState
+    from .equations import NipState
 
 __all__ = [
     "AirFilm",
@@ -247,7 +247,7 @@ def air_film(problem: NipProblem, x: Array, pressure: Array, half_width: float) 
     return AirFilm(gradient=gradient, thickness=thickness, **films)
 
 
-def film_of_state(problem: NipProblem, equations: NipEquations, state: NipState) -> AirFilm:
+def film_of_state(problem: NipProblem, state: NipState) -> AirFilm:
     """Return the film for an iterate of the equations of the nip without air."""
     f = state.nips[0].fields
     nip = f.geometry.mesh.nip_nodes

@@ -41,7 +41,7 @@ __all__ = [
 ]
 
 WebDensity = Annotated[OptionalNumber, density_of_web((500.0, 1500.0)), Field(gt=0, le=3e4)]
-WebSpeed = Annotated[OptionalNumber, velocity("V", "web speed", (1.0, 50.0)), Field(ge=0, le=200)]
+WebSpeed = Annotated[OptionalNumber, velocity("web speed", (1.0, 50.0)), Field(ge=0, le=200)]
 CaliperPressure = Annotated[
     OptionalNumber,
     stress("p_c", "pressure under which the web thickness was measured", typical=(2e3, 100e3)),
