@@ -24,6 +24,7 @@ from ..elasticity.relaxation import bulk_relaxation, modulus_ratio
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, pure, share
 from ..results import ReadOnly, largest
+from ..validity import LENGTH, THICKNESS
 from .air_films import escaped_film, foil_film, friction_share, nip_film
 from .conditions import difference
 
@@ -299,7 +300,8 @@ def air_warnings(problem: NipProblem, film: AirFilm, half_width: float) -> tuple
     warnings: list[str] = []
     if film.inlet_length > LONG_INLET * half_width:
         warnings.append(
-            f"the inlet in which the air film forms is {film.inlet_length * 1e3:.3g} mm long, "
+            "the inlet in which the air film forms is "
+            f"{LENGTH.stored_text(film.inlet_length, '.3g')} long, "
             f"{film.inlet_length / half_width:.2g} of the half width; the model assumes that it is "
             "much shorter: the film changes the pressure of the nip"
         )
@@ -307,8 +309,8 @@ def air_warnings(problem: NipProblem, film: AirFilm, half_width: float) -> tuple
     assert air is not None
     if film.film_in_nip >= air.no_friction * air.roughness:
         warnings.append(
-            f"the air film in the nip is {film.film_in_nip * 1e6:.3g} um thick, more than "
-            f"{air.no_friction:.3g} roughnesses: web and roll do not touch, and the nip adds "
-            "no tension"
+            f"the air film in the nip is {THICKNESS.stored_text(film.film_in_nip, '.3g')} thick, "
+            f"more than {air.no_friction:.3g} roughnesses: web and roll do not touch, and the nip "
+            "adds no tension"
         )
     return tuple(warnings)

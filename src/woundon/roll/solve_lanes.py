@@ -31,7 +31,7 @@ from .finished import (
     surface_layer_depth,
     with_nodes,
 )
-from .lane_roll import NIP_LOADS, PRESSURES, LaneRoll, WorstLane
+from .lane_roll import NIP_LOADS, POSITION, PRESSURES, LaneRoll, WorstLane
 from .lane_tension import TensionOfLanes, tension_of_web
 from .lanes import LOAD, RHO, THETA, WEB, LaneBuildUp, TensionAt, stage_data, wind_lanes
 from .roll_fields import RollFields
@@ -346,7 +346,8 @@ def _finished(
         P[:, 0] = 0.0  # without the rounding error
     loosest = np.unravel_index(np.argmin(P), P.shape)
     if problem.is_changed and P[loosest] < -ROUNDING * float(np.max(P)):
-        place = f"the lane at {lanes.position[loosest[0]]:.4g} m across the web"
+        position = POSITION.stored_text(lanes.position[loosest[0]])
+        place = f"the lane at {position} across the web"
         raise NotConverged(
             f"the layers of {place} separate: the changes after winding reduce the pressure to zero"
         )
@@ -388,8 +389,9 @@ def _check_law(roll: LaneRoll, stack: Stack) -> None:
     end = min(stack.limit, stack.radial.max_pressure)
     if end > P:
         return
+    position = POSITION.stored_text(roll.lanes.position[lane])
     raise NotConverged(
-        f"the pressure of the lane at {roll.lanes.position[lane]:.4g} m across the web reaches "
-        f"{P:.4g} Pa, beyond the range of the stack law, which ends at {end:.4g} Pa; lower the "
-        "tension, oscillate the web, or extend the law"
+        f"the pressure of the lane at {position} across the web reaches {P:.4g} Pa, beyond the "
+        f"range of the stack law, which ends at {end:.4g} Pa; lower the tension, oscillate the "
+        "web, or extend the law"
     )
