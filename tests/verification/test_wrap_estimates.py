@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import pytest
-from random_nips import random_wrapped_nip
+from random_nips import random_covered, random_layered, random_wrapped_nip
 from reference_mesh import extrapolated
 from slow_cases import slow_case
 
@@ -31,3 +31,22 @@ def test_tensions_agree_with_another_family_of_meshes(problem: wo.NipProblem) ->
     result, limit = wo.solve(problem), extrapolated(problem, nodes=129)
     for name in ("wound_on_tension", "roll_wound_on_tension", "outlet_tension", "inlet_tension"):
         assert abs(getattr(result, name) - limit[name]) <= 1.5 * result.error(name), name
+
+
+def test_traction_on_a_wrap_is_uncertain_in_its_last_cell() -> None:
+    """The strain of the roll is singular at the end of the wrap: order two estimates a quarter."""
+    problem = random_covered(8_100_093)
+    result, finer = wo.solve(problem), wo.solve(problem, nodes=513)
+    error = abs(result.roll_wrap_traction - finer.roll_wrap_traction)
+    assert error > 3 * result.refinement.errors()["roll_wrap_traction"]
+    assert error <= 1.5 * result.error("roll_wrap_traction")
+
+
+def test_creepage_of_a_web_that_sticks_at_the_leading_edge() -> None:
+    """A slip zone next to the edge is first seen with 513 nodes; order two estimates a quarter."""
+    problem = random_layered(8_100_086)
+    result, finer = wo.solve(problem), wo.solve(problem, nodes=513)
+    error = abs(result.drum_creepage - finer.drum_creepage)
+    assert result.drum_zone[0] == 0
+    assert error > 3 * result.refinement.errors()["drum_creepage"]
+    assert error <= 1.5 * result.error("drum_creepage")

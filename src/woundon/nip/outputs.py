@@ -231,8 +231,12 @@ def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict
       cells to the edge, changes its direction there.
     - The pressure may have a cusp at a zone boundary, which exceeds the nodal values
       (:func:`.zones.cusp_excess`).
-    - Where a traction jumps, a quadrature over the cell is of order one.  The creepage, which is
-      determined by the resultant of the tractions, then converges with order one.
+    - Where a traction jumps, a quadrature over the cell is of order one, and so it is next to the
+      leading edge if the web sticks to the drum up to it: the traction is singular there, or its
+      slip zone is shorter than a cell.  The creepage, which is determined by the resultant of the
+      tractions, then converges with order one.
+    - Where the roll wrap ends, so does the hoop pressure, in a step.  The strain of the roll is
+      singular there, and the traction in the last cell is known to its size only.
     - At the start of a drum wrap the pressure T/R begins within a length of about T C, C the
       compliance of the drum.  A longer cell does not resolve the strain there, on which the
       creepage depends; the error is then the change of this strain under T/R.
@@ -256,8 +260,12 @@ def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict
         errors["dual"] = max(errors["dual"], abs(last.outputs["dual"]))
     zones, pressure = (arrays["roll_zone"], arrays["drum_zone"]), arrays["drum_pressure"]
     errors["peak_pressure"] = max(errors["peak_pressure"], cusp_excess(pressure, *zones))
-    if any(has_traction_jump(zone) for zone in zones):
+    sticks_at_edge = arrays["drum_zone"][0] == 0
+    if sticks_at_edge or any(has_traction_jump(zone) for zone in zones):
         errors["drum_creepage"] = refinement.errors(order=1)["drum_creepage"]
+    if "roll_wrap_traction" in errors:
+        last_change = abs(float(np.diff(arrays["tension"][-2:])[0]))
+        errors["roll_wrap_traction"] = max(errors["roll_wrap_traction"], last_change)
     unresolved_strain = _unresolved_wrap_strain(first_nip, geometry)
     errors["drum_creepage"] = max(errors["drum_creepage"], unresolved_strain)
     return errors

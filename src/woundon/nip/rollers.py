@@ -396,7 +396,7 @@ class RollerEquations(ContactEquations[RollerGeometry, RollerState]):
         Without friction all nodes slip.
         """
         inner = active if self.problem.friction else np.sign(self.slip(state)[1][1:-1])
-        return np.pad(inner, 1, mode="edge").astype(np.int8)
+        return np.concatenate([inner[:1], inner, inner[-1:]]).astype(np.int8)
 
     # ---- transfer to another mesh --------------------------------------------------------------
 
