@@ -273,9 +273,9 @@ def tension(symbol: str, meaning: str, typical: Range = None) -> Quantity:
     return Quantity(symbol, "N/m", meaning, "", typical, other_form="stress")
 
 
-def velocity(symbol: str, meaning: str, typical: Range = None) -> Quantity:
-    """Return a speed [m/s]."""
-    return Quantity(symbol, "m/s", meaning, "m/min", typical)
+def velocity(meaning: str, typical: Range = None) -> Quantity:
+    """Return a speed V [m/s]."""
+    return Quantity("V", "m/s", meaning, "m/min", typical)
 
 
 def pure(symbol: str, meaning: str, typical: Range = None) -> Quantity:

@@ -16,11 +16,29 @@ import numpy as np
 from .errors import RESOLUTION
 from .problems.bodies import half_width_guess
 from .problems.contact_problem import ContactProblem
+from .quantities import length, line_load, stress
 from .results import Zone
 
-__all__ = ["LIMITS", "Limit", "far_outside", "limit_warning", "zone_warnings"]
+__all__ = [
+    "LENGTH",
+    "LIMITS",
+    "PRESSURE",
+    "STIFFNESS",
+    "TENSION",
+    "THICKNESS",
+    "Limit",
+    "far_outside",
+    "limit_warning",
+    "zone_warnings",
+]
 
 Array = np.ndarray
+
+
+# quantities in the texts of warnings, which are displayed in the units of the user
+LENGTH, THICKNESS = length("x", "length or position"), length("h", "thickness", "um")
+PRESSURE, STIFFNESS = stress("P", "pressure"), stress("A", "stiffness", "MPa")
+TENSION = line_load("T", "tension")
 
 
 class Limit(NamedTuple):
@@ -117,9 +135,9 @@ def zone_warnings(x: Array, faces: Mapping[str, Array], slips: str = "the web") 
             if dual and last == zones.size - 2:
                 where = "the dual-slip zone"
             nodes = "1 node" if count == 1 else f"{count} nodes"
-            cell = 1e3 * float(np.diff(x[with_neighbours]).max())
+            cell = LENGTH.stored_text(float(np.diff(x[with_neighbours]).max()), ".2g")
             yield (
-                f"{RESOLUTION}{nodes} in {where}, the ends of which are known to {cell:.2g} mm; "
+                f"{RESOLUTION}{nodes} in {where}, the ends of which are known to {cell}; "
                 f"use {2 * x.size - 1} nodes"  # half the spacing
             )
 

@@ -205,11 +205,17 @@ def reports() -> str:
 
 
 def public_names() -> str:
-    """Return signature and documentation of every public name, and of the methods of classes."""
+    """Return signature and documentation of every public name, and of the methods of classes.
+
+    Members that a public result inherits from a class without a public name are those of this
+    class, which follows the public names.
+    """
     kinds.every()  # loads the plug-ins, whose outputs are members of the results
-    return "\n".join(
-        line for name in sorted(wo.__all__) for line in _described(name, getattr(wo, name))
-    )
+    things = {name: getattr(wo, name) for name in sorted(wo.__all__)}
+    bases = {base for kind in kinds.every() for base in kind.result.__mro__ if base is not object}
+    unnamed = bases - {thing for thing in things.values() if inspect.isclass(thing)}
+    things |= {base.__name__: base for base in sorted(unnamed, key=lambda base: base.__name__)}
+    return "\n".join(line for name, thing in things.items() for line in _described(name, thing))
 
 
 def _described(name: str, thing: Any) -> Iterator[str]:

@@ -50,7 +50,7 @@ def test_a_fact_without_a_number():
 
 def test_a_rise_and_a_fall_in_every_step():
     NIT = xr.DataArray([[1.0, 2.0, 2.5], [1.0, 3.0, 2.9]], dims=("F", "P"))
-    rising = grows("x", NIT[:1], "P", "N/m")
+    rising = grows("x", NIT[:1], "P")
     assert (rising.outcome, rising.value, rising.note) == (Outcome.HOLDS, 0.5, "smallest step")
     assert grows("x", NIT, "P").value == pytest.approx(-0.1)
     assert grows("x", NIT, "P").outcome is Outcome.FAILS

@@ -188,6 +188,14 @@ def test_pressures_of_pull_tabs_are_compared_at_their_radii(roll):
     assert wo.compare(ROLL, by_diameter).residual == pytest.approx(np.zeros(5), abs=1e-3)
 
 
+def test_a_radius_beyond_the_surface_by_rounding_is_that_of_the_surface(roll):
+    beyond, table = ROLL.radius * (1 + 1e-10), {"residual_tension": [roll.residual_tension[-1]]}
+    assert wo.compare(ROLL, {"measured_radius": [beyond], **table}).residual == pytest.approx([0.0])
+    assert roll.at_radius(beyond) == roll.at_radius(ROLL.radius)
+    with pytest.raises(wo.InvalidProblem, match=r"measured_radius: 0\.150001 is out of range"):
+        wo.compare(ROLL, {"measured_radius": [ROLL.radius + 1e-6], **table})
+
+
 def test_the_length_at_a_diameter_is_that_of_pressed_layers(roll):
     """Conservation: the mass laid up to a radius; of a stiff stack the area over the thickness."""
     radius = np.array([0.06, 0.1, 0.15])

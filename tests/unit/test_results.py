@@ -14,6 +14,8 @@ from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon.nip.entrained_air import AirFilm
+from woundon.quantities import outputs
+from woundon.roll.result import WithRoll
 
 KINDS = ("nip", "wrapped", "rollers")
 AIR = AirFilm(
@@ -29,6 +31,18 @@ def results() -> dict[str, wo.Result]:
         "wrapped": wo.solve(newsprint_nip(roll_wrap=np.pi), nodes=33),
         "rollers": wo.solve(wo.RollerProblem.example(), nodes=33),
     }
+
+
+def test_a_roll_is_the_roll_of_its_result() -> None:
+    """Scripts take ``result.roll`` of a roll and of a winding; it is no output."""
+    result = wo.solve(wo.RollProblem.example(), rtol=0.01)
+    assert result.roll is result
+    assert "roll" not in [place.path.partition(".")[0] for place in outputs(result)]
+    shared = {place.path: place for place in outputs(wo.WindingResult)}
+    of_both = [place for place in outputs(result) if place.path in vars(WithRoll)]
+    assert len(of_both) == 15
+    for place in of_both:
+        assert shared[place.path].quantity == place.quantity
 
 
 def arrays(result: wo.Result) -> dict[str, np.ndarray]:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .mesh import hat_weights
+from .quadrature import gauss_rule
 
 __all__ = ["SourceRule", "by_second_integral", "gauss_rule_in_cells", "singular_integrals"]
 
@@ -195,13 +196,6 @@ def _points_in_cells(orders: bytes) -> tuple[Array, Array, Array]:
     of a cell have the sum 1.
     """
     counts = np.frombuffer(orders, dtype=int)
-    rules = [_gauss_rule(n) for n in counts.tolist()]
+    rules = [gauss_rule(n) for n in counts.tolist()]
     points, weights = (np.concatenate(parts) for parts in zip(*rules, strict=True))
     return np.repeat(np.arange(counts.size), counts), (points + 1) / 2, weights / 2
-
-
-@lru_cache
-def _gauss_rule(points: int) -> tuple[Array, Array]:
-    """Return points and weights of Gauss's rule on [-1, 1]."""
-    nodes, weights = np.polynomial.legendre.leggauss(points)
-    return nodes, weights

@@ -35,6 +35,7 @@ from .hat_integrals import (
 from .kernels import Kernel, SurfaceKernels, singular, smooth_parts
 from .lag import Lag
 from .mesh import Face, cosine_nodes, hat_weights
+from .quadrature import gauss_rule
 from .surface import LinearSurface, SurfaceTangent
 
 __all__ = ["InfluenceSurface"]
@@ -312,7 +313,7 @@ def _nip_interpolation(size: int, rank: int) -> tuple[Array, Array]:
     transform = np.cos(np.outer(np.arange(rank), np.arccos(nodes))) * (2 / rank)
     transform[0] /= 2
     x = cosine_nodes(size)
-    s, weights = np.polynomial.legendre.leggauss(8 + ceil(rank * pi / (size - 1) / 2))
+    s, weights = gauss_rule(8 + ceil(rank * pi / (size - 1) / 2))
     cells, fraction = np.diff(x[0::2]), (s + 1) / 2
     gauss = x[0:-2:2, None] + cells[:, None] * fraction
     lagrange = (chebyshev(gauss.ravel(), rank - 1) @ transform).reshape(*gauss.shape, rank)

@@ -341,22 +341,26 @@ class RingMesh:
     # ---- the elements --------------------------------------------------------------------------
 
     @property
+    def _points_of_element(self) -> list[tuple[Array, Array]]:
+        """The three coordinates x, then r, of an element's quadrature points, (3,) in its units.
+
+        With each the number, from 0 to 2, of the coordinate of each of the nine points.
+        """
+        # the coordinates of a column or row are equal except for rounding
+        rounded = (np.round(coordinate, 12) for coordinate in self.topology.points)
+        return [np.unique(coordinate, return_inverse=True) for coordinate in rounded]
+
+    @property
     def quadrature_grid(self) -> tuple[Array, Array]:
         """The quadrature points, ascending x (3 columns,) and r (3 rows,) [m]."""
-        topology = self.topology
-        # three different coordinates each, equal except for rounding
-        a, b = (np.unique(np.round(coordinate, 12)) for coordinate in topology.points)
+        (a, _), (b, _) = self._points_of_element
         x = (self.x[:-1, None] + np.diff(self.x)[:, None] * a).ravel()
         return x, (self.r[:-1, None] + np.diff(self.r)[:, None] * b).ravel()
 
     def on_quadrature_grid(self, values: Array) -> Array:
         """Return values (e, 9) at the points of :attr:`quadrature_grid`, (3 rows, 3 columns)."""
         topology = self.topology
-        # column and row of the nine points in their element, from 0 to 2
-        i, j = (
-            np.unique(np.round(coordinate, 12), return_inverse=True)[1]
-            for coordinate in topology.points
-        )
+        (_, i), (_, j) = self._points_of_element
         out = np.empty((3 * self.fineness.rows, 3 * self.fineness.columns))
         out[3 * topology.row[:, None] + j, 3 * topology.column[:, None] + i] = values
         return out

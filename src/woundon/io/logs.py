@@ -35,7 +35,7 @@ POSITIONS = {"radius": 1.0, "measured_radius": 1.0, "measured_diameter": 0.5, "d
 # quantities by which a stop is recognised, also if they are not used
 MOVING: dict[str, Quantity] = {
     "web_tension": tension_quantity("T_in", "web tension"),
-    "web_speed": velocity("V", "speed of the web"),
+    "web_speed": velocity("speed of the web"),
 }
 # quantities that logs have, named first in the error of a log without any
 USUAL = ("web_tension", "nip_load", "web_speed", "winding_force", "torque_split")

@@ -101,7 +101,7 @@ class Names:
         ("Basis weight"); otherwise the most similar name.
 
         >>> from woundon.quantities import velocity
-        >>> Names({"web_speed": velocity("V", "")}).suggestions("Speed")
+        >>> Names({"web_speed": velocity("")}).suggestions("Speed")
         ['web_speed']
         """
         words = [word.casefold() for word in _BETWEEN.split(text) if len(word) >= MIN_WORD]

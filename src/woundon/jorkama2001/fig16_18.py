@@ -61,14 +61,12 @@ def _tension(data: xr.Dataset, light: Nip) -> list[Verdict]:
             "a higher winding force gives a higher NIT at every nip load",
             NIT,
             "winding_force",
-            unit="N/m",
             note="smallest step between neighbouring forces",
         ),
         falls(
             "the winding force acts more on NIT where the load is light",
             spread,
             "nip_load",
-            unit="N/m",
             note=f"largest step of the curves' spread, which falls from {spread[0]:.0f} to "
             f"{spread[-1]:.0f} N/m",
         ),

@@ -62,7 +62,7 @@ def _trends(data: xr.Dataset, body: str) -> list[Verdict]:
     largest, half = NIT.sel({radius: 1.0}), NIT.sel({radius: 0.5})
     total = NIT.sel({radius: 0.1}) - largest
     return [
-        falls(f"NIT falls as the {body}'s radius grows", NIT, radius, unit="N/m"),
+        falls(f"NIT falls as the {body}'s radius grows", NIT, radius),
         verdict(
             "it changes more at small radii: of its fall from 0.1 to 1 m, what is left from "
             "0.5 m on",
@@ -81,7 +81,6 @@ def _trends(data: xr.Dataset, body: str) -> list[Verdict]:
             f"the lower the winding force, the less the {body}'s radius matters",
             total,
             "winding_force",
-            unit="N/m",
             note="smallest step of the falls over F; panel (a): "
             f"{', '.join(f'{fall:.0f}' for fall in total[0])} N/m for F = -500 to 100",
         ),
@@ -89,7 +88,6 @@ def _trends(data: xr.Dataset, body: str) -> list[Verdict]:
             f"a larger {other} gives less NIT",
             NIT,
             f"{other}_radius",
-            unit="N/m",
             note="largest difference of the panels, (b) less (a)",
         ),
         verdict(

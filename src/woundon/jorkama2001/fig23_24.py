@@ -69,7 +69,6 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
             "below, it grows with nu",
             by_ratio,
             "poissons_ratio",
-            unit="N/m",
             note="smallest step between neighbouring nu",
         ),
         verdict(

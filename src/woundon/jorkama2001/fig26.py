@@ -63,7 +63,7 @@ def _verdicts(data: xr.Dataset, without: xr.DataArray) -> list[Verdict]:
             at_most(50.0, "%"),
             note="largest share",
         ),
-        grows("it grows with the load", rubber, "nip_load", unit="N/m"),
+        grows("it grows with the load", rubber, "nip_load"),
         verdict(
             "ever more slowly",
             slopes[-1] / slopes[0],

@@ -45,7 +45,7 @@ def _verdicts(data: xr.Dataset) -> list[Verdict]:
             at_most(20.0, "N/m"),
             note=f"its range from 5 to 50 mm; the rubber's is {np.ptp(rubber.values):.0f} N/m",
         ),
-        falls("a thicker rubber cover gives less NIT", rubber, "cover_thickness", unit="N/m"),
+        falls("a thicker rubber cover gives less NIT", rubber, "cover_thickness"),
         verdict(
             "thickness matters most where the rubber is thin, about 10 mm: fall at 10 mm over "
             "that at 30 mm",

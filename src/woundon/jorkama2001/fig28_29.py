@@ -63,7 +63,7 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
     # change from A_rt = 0.1 to 1 MPa, without these coordinates, which differ
     small = 100 * np.abs(NIT[:, 1].drop_vars("cross") / NIT[:, 0].drop_vars("cross") - 1)
     return [
-        grows("NIT grows with A_tt", NIT, "tangential", unit="N/m"),
+        grows("NIT grows with A_tt", NIT, "tangential"),
         verdict(
             "usually it falls as A_rr grows",
             100 * np.mean(~rising),
@@ -84,7 +84,7 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
             "there, and a soft roll loses more tension to Poisson's effect than it gains by being "
             "soft.  No web thickness from 20 to 100 um confines it to what the text says",
         ),
-        grows("it grows with G", NIT, "shear", unit="N/m"),
+        grows("it grows with G", NIT, "shear"),
         verdict(
             "up to A_rt = 1 MPa it does not depend on A_rt",
             small.max(),
@@ -95,7 +95,6 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
             "beyond, it falls as A_rt grows",
             NIT[:, 1:],
             "cross",
-            unit="N/m",
             note="largest change from 1 to 40 MPa",
         ),
     ]

@@ -82,7 +82,6 @@ def _errors(data: xr.Dataset, limit: wo.NipResult) -> list[Verdict]:
             "NIT seems to converge as M grows: smallest step towards the limit",
             thesis,
             "nodes",
-            unit="N/m",
             note=f"the limit is {exact:.2f} N/m",
         ),
         verdict(

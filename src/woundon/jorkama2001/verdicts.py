@@ -148,22 +148,14 @@ def accurate(verdicts: Iterable[Verdict]) -> list[Verdict]:
 
 
 def grows(
-    statement: str,
-    values: xr.DataArray,
-    along: Hashable,
-    unit: str = "",
-    note: str = "smallest step",
+    statement: str, tension: xr.DataArray, along: Hashable, note: str = "smallest step"
 ) -> Verdict:
-    """Return the verdict on a statement that values grow in every step along a dimension."""
-    return verdict(statement, values.diff(along).min(), at_least(0.0, unit), note)
+    """Return the verdict on a statement that a tension grows in every step along a dimension."""
+    return verdict(statement, tension.diff(along).min(), at_least(0.0, "N/m"), note)
 
 
 def falls(
-    statement: str,
-    values: xr.DataArray,
-    along: Hashable,
-    unit: str = "",
-    note: str = "largest step",
+    statement: str, tension: xr.DataArray, along: Hashable, note: str = "largest step"
 ) -> Verdict:
-    """Return the verdict on a statement that values fall in every step along a dimension."""
-    return verdict(statement, values.diff(along).max(), at_most(0.0, unit), note)
+    """Return the verdict on a statement that a tension falls in every step along a dimension."""
+    return verdict(statement, tension.diff(along).max(), at_most(0.0, "N/m"), note)

@@ -44,6 +44,7 @@ __all__ = [
     "dissipation",
     "power_balance",
     "pressure_resultant",
+    "viscoelastic_outputs",
     "work_on_bodies",
 ]
 
@@ -125,6 +126,31 @@ def dissipation(problem: ContactProblem, bodies: tuple[BodyWork, BodyWork]) -> f
     """Return the work on the viscoelastic bodies per length rolled and width [N/m]."""
     pairs = zip(problem.bodies, bodies, strict=True)
     return sum(work.work for body, work in pairs if body.viscoelastic)
+
+
+def viscoelastic_outputs(
+    problem: ContactProblem, bodies: tuple[BodyWork, BodyWork], x: Array, p: Array, offset: float
+) -> dict[str, float]:
+    """Return the outputs that only contacts with a viscoelastic body have, by name, in SI units.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+        With a viscoelastic body.
+    bodies : tuple of BodyWork
+        The work on both bodies.
+    x, p : (n,) arrays
+        Nodes of the contact [m] and the pressure there [Pa].
+    offset : float
+        Delta [m].
+    """
+    assert problem.rolling_speed is not None  # required with a viscoelastic body
+    resistance = dissipation(problem, bodies)
+    return {
+        "rolling_resistance": resistance,
+        "dissipated_power": problem.rolling_speed * resistance,
+        "pressure_shift": pressure_resultant(x, p)[1] - offset,
+    }
 
 
 def power_balance(equations: NipEquations, state: NipState) -> float:

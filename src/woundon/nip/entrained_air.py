@@ -24,13 +24,14 @@ from ..elasticity.relaxation import bulk_relaxation, modulus_ratio
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, pure, share
 from ..results import ReadOnly, largest
+from ..validity import LENGTH, THICKNESS
 from .air_films import escaped_film, foil_film, friction_share, nip_film
 from .conditions import difference
 
 if TYPE_CHECKING:
     from ..problems.bodies import Body
     from ..problems.nip import NipProblem
-    from .equations import NipEquations, NipState
+    from .equations import NipState
 
 __all__ = [
     "AirFilm",
@@ -247,7 +248,7 @@ def air_film(problem: NipProblem, x: Array, pressure: Array, half_width: float) 
     return AirFilm(gradient=gradient, thickness=thickness, **films)
 
 
-def film_of_state(problem: NipProblem, equations: NipEquations, state: NipState) -> AirFilm:
+def film_of_state(problem: NipProblem, state: NipState) -> AirFilm:
     """Return the film for an iterate of the equations of the nip without air."""
     f = state.nips[0].fields
     nip = f.geometry.mesh.nip_nodes
@@ -299,7 +300,8 @@ def air_warnings(problem: NipProblem, film: AirFilm, half_width: float) -> tuple
     warnings: list[str] = []
     if film.inlet_length > LONG_INLET * half_width:
         warnings.append(
-            f"the inlet in which the air film forms is {film.inlet_length * 1e3:.3g} mm long, "
+            "the inlet in which the air film forms is "
+            f"{LENGTH.stored_text(film.inlet_length, '.3g')} long, "
             f"{film.inlet_length / half_width:.2g} of the half width; the model assumes that it is "
             "much shorter: the film changes the pressure of the nip"
         )
@@ -307,8 +309,8 @@ def air_warnings(problem: NipProblem, film: AirFilm, half_width: float) -> tuple
     assert air is not None
     if film.film_in_nip >= air.no_friction * air.roughness:
         warnings.append(
-            f"the air film in the nip is {film.film_in_nip * 1e6:.3g} um thick, more than "
-            f"{air.no_friction:.3g} roughnesses: web and roll do not touch, and the nip adds "
-            "no tension"
+            f"the air film in the nip is {THICKNESS.stored_text(film.film_in_nip, '.3g')} thick, "
+            f"more than {air.no_friction:.3g} roughnesses: web and roll do not touch, and the nip "
+            "adds no tension"
         )
     return tuple(warnings)

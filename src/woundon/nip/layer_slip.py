@@ -45,6 +45,7 @@ from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
 from ..quantities import length, pure
 from ..results import ReadOnly
+from ..validity import LENGTH
 from .nip_fields import NipFields
 
 __all__ = ["LayerSlip", "friction_limit", "interior_stress", "layer_slip", "wound_in_pressure"]
@@ -125,7 +126,7 @@ class LayerSlip(ReadOnly):
         """Text of the warning if layers would slip; empty otherwise."""
         if self.layers == 0:
             return ""
-        extent = f"down to {self.depth * 1e3:.3g} mm ({self.layers} layers)"
+        extent = f"down to {LENGTH.stored_text(self.depth, '.3g')} ({self.layers} layers)"
         if isinf(self.ratio):
             text = (
                 "the air between the layers of the roll leaves no friction at some depth, and the "

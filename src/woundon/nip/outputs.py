@@ -17,7 +17,7 @@ import numpy as np
 
 from ..contact.refinement import Refinement
 from ..problems.nip import NipProblem
-from .energy import dissipation, pressure_resultant, work_on_bodies
+from .energy import viscoelastic_outputs, work_on_bodies
 from .equations import Fields, Geometry, NipEquations, NipState
 from .nip_fields import NipFields
 from .zones import LEAST_OFFSET_ERROR, cusp_excess, has_traction_jump, slip_lengths
@@ -348,10 +348,7 @@ class NipSystem(NipEquations):
         if self.drum_wrap:
             out["drum_wrap_traction"] = float(T[layout.first] - T[0])
         if self.problem.viscoelastic:
-            assert self.problem.rolling_speed is not None
-            out["rolling_resistance"] = dissipation(self.problem, work_on_bodies(state))
-            out["dissipated_power"] = self.problem.rolling_speed * out["rolling_resistance"]
-            nip = mesh.nip_nodes
-            _, position = pressure_resultant(a * mesh.nodes[nip], f.p_drum[nip])
-            out["pressure_shift"] = position - out["offset"]
+            nip, work = mesh.nip_nodes, work_on_bodies(state)
+            x = a * mesh.nodes[nip]
+            out |= viscoelastic_outputs(self.problem, work, x, f.p_drum[nip], out["offset"])
         return out

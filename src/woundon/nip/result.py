@@ -15,6 +15,7 @@ from ..errors import InvalidProblem, warn
 from ..problems.air import with_film
 from ..problems.messages import quote
 from ..problems.roll import RollProblem
+from ..problems.web import CENTRIFUGAL_TENSION
 from ..quantities import angle, length, line_load, on_request, stress
 from ..results import Residuals, Zone
 from .layer_slip import LayerSlip, layer_slip
@@ -238,9 +239,7 @@ class NipResult(NipFields):
         return self.errors.get("nip_induced_tension", float("nan"))
 
     @property
-    def centrifugal_tension(
-        self,
-    ) -> Annotated[float, line_load("m V^2", "part of the tension taken by centrifugal force")]:
+    def centrifugal_tension(self) -> Annotated[float, CENTRIFUGAL_TENSION]:
         """m V^2, by which the web presses less on wraps [N/m]; nan without speed or density."""
         return self.problem.centrifugal_tension or nan
 

@@ -54,7 +54,7 @@ from ..elasticity.surface import Deformation, SurfaceTangent
 from ..problems.bodies import half_width_guess
 from ..problems.rollers import RollerProblem
 from .contact_equations import ContactEquations, Side, nearest
-from .energy import BodyWork, body_work, dissipation, pressure_resultant
+from .energy import BodyWork, body_work, viscoelastic_outputs
 from .layout import Unknowns
 from .zones import slip_share
 
@@ -386,10 +386,8 @@ class RollerEquations(ContactEquations[RollerGeometry, RollerState]):
             slack = problem.friction * state.p - np.abs(state.q)
             out["slip_share"] = slip_share(x, self.zones(state, active), self.slip(state)[1], slack)
         if problem.viscoelastic:
-            assert problem.rolling_speed is not None
-            out["rolling_resistance"] = dissipation(problem, work_on_rollers(state))
-            out["dissipated_power"] = problem.rolling_speed * out["rolling_resistance"]
-            out["pressure_shift"] = pressure_resultant(x, state.p)[1] - out["offset"]
+            work = work_on_rollers(state)
+            out |= viscoelastic_outputs(problem, work, x, state.p, out["offset"])
         return out
 
     def zones(self, state: RollerState, active: Array) -> Array:

@@ -254,7 +254,7 @@ class _Linearisation:
         residual, frictions = np.append(state.equilibrium, friction_residual(state, active)), []
         found = system.outputs(state, active, self.outputs)
         if has_air(problem):
-            film = film_of_state(problem, system, state)
+            film = film_of_state(problem, state)
             found |= {name: value_of(film, name.partition(".")[2]) for name in air_outputs()}
             frictions = [film.roll_friction, film.wrap_friction]
         return np.concatenate([residual, frictions, [found[name] for name in self.outputs]])

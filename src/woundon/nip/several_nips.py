@@ -496,10 +496,8 @@ class SeveralNips:
         by_drums = sum(nip.winding_force for nip in self.problem.next_nips)
         out["roll_wrap_traction"] = out["wound_on_tension"] - out["outlet_tension"] - by_drums
         if self.problem.viscoelastic:
-            out["rolling_resistance"] = sum(one.get("rolling_resistance", 0.0) for one in each)
-            speed = self.problem.rolling_speed
-            assert speed is not None  # a viscoelastic body needs it
-            out["dissipated_power"] = speed * out["rolling_resistance"]
+            for name in ("rolling_resistance", "dissipated_power"):
+                out[name] = sum(one.get(name, 0.0) for one in each)
         for k, one in enumerate(each[1:], 1):
             out |= {f"contacts.{k}.{name}": one[name] for name in OF_CONTACT}
         return out

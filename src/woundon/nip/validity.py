@@ -10,7 +10,15 @@ from ..elasticity.mesh import Wrap, nip_mesh
 from ..errors import RESOLUTION
 from ..problems.bodies import Body
 from ..problems.nip import NipProblem
-from ..validity import LIMITS, limit_warning, zone_warnings
+from ..validity import (
+    LENGTH,
+    LIMITS,
+    STIFFNESS,
+    TENSION,
+    THICKNESS,
+    limit_warning,
+    zone_warnings,
+)
 from .result import NipResult
 from .roller_result import RollerResult
 
@@ -68,7 +76,10 @@ def _pair_warnings(
     problem, a, approach = result.problem, result.half_width, result.approach
     radius = min(body.radius for body in problem.bodies)
     yield from limit_warning(
-        "half width", a / radius, "the half width {0:.3g} mm is {} of the smaller radius", a * 1e3
+        "half width",
+        a / radius,
+        "the half width {0} is {} of the smaller radius",
+        LENGTH.stored_text(a, ".3g"),
     )
     for name in problem.pair:
         body = getattr(problem, name)
@@ -80,10 +91,10 @@ def _pair_warnings(
             yield from limit_warning(
                 "indentation",
                 depth / body.thickness,
-                "the {0}'s indentation {1:.3g} mm is {} of its elastic layer, {2:.3g} mm",
+                "the {0}'s indentation {1} is {} of its elastic layer, {2}",
                 name,
-                depth * 1e3,
-                body.thickness * 1e3,
+                LENGTH.stored_text(depth, ".3g"),
+                LENGTH.stored_text(body.thickness, ".3g"),
             )
         yield from _stiffness_warnings(name, body, float(result.peak_pressure), tractions[name])
 
@@ -137,17 +148,17 @@ def _stiffness_warnings(name: str, body: Body, peak: float, traction: Array) -> 
     yield from limit_warning(
         "peak pressure",
         peak / modulus,
-        "the peak pressure {0:.3g} MPa is {} of the {1}'s stiffness {2:.3g} MPa",
-        peak / 1e6,
+        "the peak pressure {0} is {} of the {1}'s stiffness {2}",
+        STIFFNESS.stored_text(peak, ".3g"),
         name,
-        modulus / 1e6,
+        STIFFNESS.stored_text(modulus, ".3g"),
     )
     yield from limit_warning(
         "shear strain",
         shear / stiffness.shear,
-        "the {0}'s surface shear strain is {} at a traction of {1:.3g} MPa",
+        "the {0}'s surface shear strain is {} at a traction of {1}",
         name,
-        shear / 1e6,
+        STIFFNESS.stored_text(shear, ".3g"),
     )
 
 
@@ -169,9 +180,9 @@ def _surface_strain_warnings(r: NipResult, web: Array) -> Iterator[str]:
             yield from limit_warning(
                 "surface strain",
                 float(strain[k]),
-                "the {0}'s surface strain is {} at x = {1:.3g} mm",
+                "the {0}'s surface strain is {} at x = {1}",
                 name,
-                x[k] * 1e3,
+                LENGTH.stored_text(x[k], ".3g"),
             )
 
 
@@ -205,31 +216,32 @@ def _web_warnings(r: NipResult, strain: Array) -> Iterator[str]:
     yield from limit_warning(
         "pressure on the web",
         peak / modulus,
-        "the peak pressure {0:.3g} MPa is {} of the web's radial stiffness {1:.3g} MPa",
-        peak / 1e6,
-        modulus / 1e6,
+        "the peak pressure {0} is {} of the web's radial stiffness {1}",
+        STIFFNESS.stored_text(peak, ".3g"),
+        STIFFNESS.stored_text(modulus, ".3g"),
     )
     k = int(np.abs(strain).argmax())
     yield from limit_warning(
         "web strain",
         float(strain[k]),
-        "the web's strain is {} at a tension of {0:.4g} N/m",
-        r.tension[k],
+        "the web's strain is {} at a tension of {0}",
+        TENSION.stored_text(r.tension[k]),
     )
     yield from limit_warning(
         "web thickness",
         web.thickness / r.nip_width,
-        "the web's thickness {0:.3g} um is {} of the nip width {1:.3g} mm",
-        web.thickness * 1e6,
-        r.nip_width * 1e3,
+        "the web's thickness {0} is {} of the nip width {1}",
+        THICKNESS.stored_text(web.thickness, ".3g"),
+        LENGTH.stored_text(r.nip_width, ".3g"),
     )
     min_tension = float(np.min(r.tension))
     if min_tension < 0:
-        x = float(r.x[int(np.argmin(r.tension))])
-        needed = r.problem.web_tension - min_tension
+        x = LENGTH.stored_text(r.x[int(np.argmin(r.tension))], ".3g")
+        tensions = min_tension, r.problem.web_tension - min_tension
+        least, needed = map(TENSION.stored_text, tensions)
         yield (
-            f"the web is slack: its tension falls to {min_tension:.4g} N/m at x = "
-            f"{x * 1e3:.3g} mm; at least {needed:.4g} N/m of web tension are needed"
+            f"the web is slack: its tension falls to {least} at x = {x}; at least {needed} of web "
+            "tension are needed"
         )
 
 

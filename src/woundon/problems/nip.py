@@ -228,7 +228,7 @@ class NipProblem(ContactProblem):
     wrap_friction: WrapFriction = default(None)
     web_speed: Annotated[
         OptionalNumber,
-        velocity("V", "web speed", (1.0, 50.0)),
+        velocity("web speed", (1.0, 50.0)),
         Field(ge=0, le=1e4),
         Conditional("required with air or a viscoelastic body"),
     ] = default(None)

@@ -6,7 +6,7 @@ F(P) = int_0^P dP'/E_r(P')        compressive strain through the stack
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cache, cached_property
+from functools import cached_property
 from math import exp, inf, isfinite, log
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, model_validator
 
+from ..elasticity.quadrature import gauss_points
 from ..errors import InvalidProblem
 from ..quantities import Values, as_given, pure, strain, stress
 from .family import Family
@@ -544,15 +545,8 @@ class StackTest(SolidLaw):
 
 def _integral(f: Callable[[Array], Array], end: Array) -> Array:
     """Return the integrals of a smooth function f from 0 to each of ``end``, in its shape."""
-    t, weights = _composite_gauss_rule()
+    t, weights = gauss_points(np.linspace(0.0, 1.0, 7), 24)
     return end * (f(end[..., None] * t) @ weights)
-
-
-@cache
-def _composite_gauss_rule() -> tuple[Array, Array]:
-    """Return the points and weights of 6 panels of 24 Gauss points each on [0, 1]."""
-    x, w = np.polynomial.legendre.leggauss(24)
-    return ((np.arange(6)[:, None] + (x + 1) / 2) / 6).ravel(), np.tile(w / 12, 6)
 
 
 def pfeiffer_line(P: Array, strain: Array) -> tuple[float, float]:

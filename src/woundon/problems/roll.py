@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import length, share, stress, tension, thickness_of_web
+from ..quantities import Values, length, share, stress, tension, thickness_of_web
 from .air_law import AirBetween
 from .assumptions import of_roll
 from .description import Description
@@ -345,6 +345,11 @@ class RollProblem(FinishedRollProblem):
     def tension_curve(self) -> Curve:
         """The wound-on stress T = WOT/2h over the radius [Pa]."""
         return Curve(self.wound_on_tension, self.core.radius, self.radius, 1 / self.web_thickness)
+
+    def bending_strain(self, radius: Values) -> Values:
+        """Return h/2r, the strain at the faces of a straight web that is bent to a radius [m]."""
+        strain: Any = self.web_thickness / (2 * radius)
+        return strain
 
     @property
     def centrifugal_stress(self) -> float:

@@ -96,7 +96,7 @@ class RollerProblem(ContactProblem):
     )
     speed: Annotated[
         OptionalNumber,
-        velocity("V", "surface speed", (0.1, 50.0)),
+        velocity("surface speed", (0.1, 50.0)),
         Field(gt=0, le=1e4),
         Conditional("required with a viscoelastic roller"),
     ] = default(None)

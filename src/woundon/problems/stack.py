@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
+from ..elasticity.quadrature import gauss_points
 from ..errors import InvalidProblem
 from ..quantities import Values, as_given, pure, stress
 from . import air_law as air_law  # registers its law
@@ -167,9 +168,7 @@ class Stack(Solid):
         p = np.asarray(P, dtype=float)
         # E_r may vary over pressures much smaller than P: cells are bisected towards zero.
         ends = np.append(0.0, 0.5 ** np.arange(SMALLEST_CELL, -1, -1))
-        points, weights = np.polynomial.legendre.leggauss(GAUSS)
-        half = np.diff(ends)[:, None] / 2
-        fraction, weight = (ends[:-1, None] + half * (1 + points)).ravel(), (half * weights).ravel()
+        fraction, weight = gauss_points(ends, GAUSS)
         pressures = p[..., None] * fraction
         return as_given(p * ((pressures / self.radial.modulus(pressures)) @ weight))
 

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import Quantity, length, pure, share
+from ..quantities import Quantity, length, pure, share, thickness_of_web
 from .description import Description
 from .fields import (
     Number,
@@ -335,7 +335,8 @@ def warnings_across(problem: Any, web_thickness: float) -> Iterator[str]:
     if profile is None or profile.is_relative:
         return
     if abs(profile.mean / web_thickness - 1) > CALIPERS_DIFFER:
+        mean, web = map(thickness_of_web().stored_text, (profile.mean, web_thickness))
         yield (
-            f"thickness_profile.thickness: the mean is {profile.mean * 1e6:.4g} um and the web is "
-            f"{web_thickness * 1e6:.4g} um thick; only the variation about the mean is used"
+            f"thickness_profile.thickness: the mean is {mean} and the web is {web} thick; only the "
+            "variation about the mean is used"
         )

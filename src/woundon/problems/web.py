@@ -12,7 +12,14 @@ from pydantic import BeforeValidator, Field, SerializeAsAny
 
 from ..elasticity.strip import Compliance, compliance
 from ..errors import InvalidProblem
-from ..quantities import Quantity, density_of_web, stress, thickness_of_web, velocity
+from ..quantities import (
+    Quantity,
+    density_of_web,
+    line_load,
+    stress,
+    thickness_of_web,
+    velocity,
+)
 from .description import Description
 from .fields import Number, OptionalNumber
 from .inputs import Inputs, is_basis_weight, read_number
@@ -24,15 +31,24 @@ from .stack import Stack
 if TYPE_CHECKING:
     from .fields import CoercedField
 
-__all__ = ["CaliperPressure", "Web", "WebDensity", "WebSpeed", "centrifugal_stress"]
+__all__ = [
+    "CENTRIFUGAL_TENSION",
+    "CaliperPressure",
+    "Web",
+    "WebDensity",
+    "WebSpeed",
+    "centrifugal_stress",
+]
 
 WebDensity = Annotated[OptionalNumber, density_of_web((500.0, 1500.0)), Field(gt=0, le=3e4)]
-WebSpeed = Annotated[OptionalNumber, velocity("V", "web speed", (1.0, 50.0)), Field(ge=0, le=200)]
+WebSpeed = Annotated[OptionalNumber, velocity("web speed", (1.0, 50.0)), Field(ge=0, le=200)]
 CaliperPressure = Annotated[
     OptionalNumber,
     stress("p_c", "pressure under which the web thickness was measured", typical=(2e3, 100e3)),
     Field(ge=0, le=1e7),
 ]
+# an output of nips, rolls and windings
+CENTRIFUGAL_TENSION = line_load("m V^2", "part of the tension taken by centrifugal force")
 
 Array = np.ndarray
 

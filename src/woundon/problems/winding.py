@@ -54,6 +54,7 @@ from .nip import (
 from .paths import field_or_none, quantity_of_field
 from .permitted import Conditional, in_brackets, is_within
 from .problem import only_in
+from .radii import radii_on_roll
 from .roll import FEWEST_LAYERS, Core, FinishedRadius, GaugeExcess, RollProblem
 from .schedules import (
     AnySchedule,
@@ -107,7 +108,6 @@ NIP_FIELDS = frozenset({"web", "drum", "roll_friction", "drum_friction", *WRAP_T
 OF_NIP = ("web.material", *WRAP_TABLE["wrap"], "roll_body")
 # on two drums friction on the wraps is a part of the loads, and of full slip
 OF_NIP_ALONE = ("web.material", "roll_wrap", "roll_body")
-ROUNDED = 1e-9  # by which a radius may lie outside of the roll
 HELD = 0.8  # largest part of the arc from the last nip to the rear drum that is the roll wrap
 CHECKED_RADII = 257  # radii, in addition to all kinks, at which a steady state must exist
 
@@ -686,7 +686,7 @@ class WindingProblem(FinishedRollProblem):
         """
         if self.winder is None:
             raise InvalidProblem.at("winder", "missing; must be given for the loads of its drums")
-        r = self._checked_radii(r)
+        r = radii_on_roll(r, self.core.radius, self.radius, "r")
         assert self.density is not None  # required with a winder
         return balanced_loads(
             r,
@@ -699,20 +699,6 @@ class WindingProblem(FinishedRollProblem):
             self.at("winding_force", r),
             self.at("winder.core_torque", r) / r,
         )
-
-    def _checked_radii(self, r: ArrayLike) -> Array:
-        """Return radii of the roll [m] as an array; reject what is none."""
-        low, high = self.core.radius, self.radius
-        must = f"must be >= core.radius = {low:.6g} and <= radius = {high:.6g} [m]"
-        try:
-            radii = np.asarray(r, dtype=float)
-        except (TypeError, ValueError):
-            raise InvalidProblem.at("r", f"{quote(r)} is out of place; {must}") from None
-        outside = ~((radii >= low * (1 - ROUNDED)) & (radii <= high * (1 + ROUNDED)))
-        if outside.any():
-            wrong = quote(float(radii[outside].flat[0]))
-            raise InvalidProblem.at("r", f"{wrong} is out of range; {must}")
-        return radii
 
     def friction_used(self, r: ArrayLike) -> dict[str, Array]:
         """Return |F| of each drum over its friction capacity at radii [m], by dotted name [1].

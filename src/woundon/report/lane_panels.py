@@ -8,9 +8,20 @@ from typing import Any
 import numpy as np
 
 from ..quantities import Quantity
-from ..roll.lane_roll import LANE_QUANTITIES, POSITION
+from ..roll.lane_roll import LANE_QUANTITIES, POSITION, edges_of_lanes
 from ..roll.result import RollResult
-from .panels import Axis, Curve, Limits, Map, Mark, Panel, PanelMaker, Scale, round_at_most
+from .panels import (
+    Axis,
+    Curve,
+    Limits,
+    Map,
+    Mark,
+    Panel,
+    PanelMaker,
+    Scale,
+    round_at_most,
+    with_margin,
+)
 from .report_parts import quantity_of
 
 __all__ = ["lane_panels"]
@@ -69,8 +80,8 @@ def lane_panels(result: Any) -> dict[str, PanelMaker]:
 def _to_edges(lanes: Any) -> Array:
     """Return the positions of the L lanes between those of the edges of the web, (L + 2,) [m]."""
     y = lanes.position.values
-    half = (y[1] - y[0]) / 2
-    return np.concatenate([[y[0] - half], y, [y[-1] + half]])
+    left, *_, right = edges_of_lanes(y)
+    return np.concatenate([[left], y, [right]])
 
 
 def _across(lanes: Any) -> Axis:
@@ -122,8 +133,7 @@ def _with_one_zero(*curves: Array) -> list[Limits]:
     """
     sizes = [float(np.max(np.abs(curve))) or even for curve, even in zip(curves, EVEN, strict=True)]
     parts = np.concatenate([curve / size for curve, size in zip(curves, sizes, strict=True)])
-    margin = MARGIN * (float(np.ptp(parts)) or 1.0)
-    low, high = float(parts.min()) - margin, float(parts.max()) + margin
+    low, high = with_margin(parts, MARGIN)
     return [(low * size, high * size) for size in sizes]
 
 
@@ -213,12 +223,11 @@ def roll_surface(result: Any) -> Panel:
 def hardness_across(result: Any) -> Panel:
     """Return the panel of the modulus below the surface, averaged over a part of the build-up."""
     lanes = result.lanes
-    roll = result if isinstance(result, RollResult) else result.roll
-    r = lanes.radius.values
+    r, stack = lanes.radius.values, result.roll.problem.stack
     start = r[-1] - STRUCK * (r[-1] - r[0])
     points = np.linspace(start, r[-1], 50)
     pressure = np.array([np.interp(points, r, row) for row in lanes.pressure.values.T])
-    hardness = np.trapezoid(roll.problem.stack.radial.modulus(pressure), points) / (r[-1] - start)
+    hardness = np.trapezoid(stack.radial.modulus(pressure), points) / (r[-1] - start)
     quantity = quantity_of(RollResult, "radial_modulus")
     depth = quantity_of(RollResult, "radius").text(float(r[-1] - start), ".3g")
     return _panel(

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..problems.thickness_profile import ThicknessProfile
 from ..quantities import share
-from ..roll.lane_roll import LANE_QUANTITIES, NIP_LOADS, POSITION, slack_lanes
+from ..roll.lane_roll import LANE_QUANTITIES, NIP_LOADS, POSITION, edges_of_lanes, slack_lanes
 from .lane_panels import DRUMS
 from .outputs_report import not_applicable
 from .report_parts import Row, Section, field_row, quantity_of, row_of
@@ -117,13 +117,12 @@ def _slack_lanes(lanes: Any) -> str:
     slack = slack_lanes(lanes.share.values, lanes.wound_on_tension.values.T)
     if not slack.any():
         return "No lane is slack."
-    y = lanes.position.values
-    half = (y[1] - y[0]) / 2
+    edges = edges_of_lanes(lanes.position.values)
     # ends of the runs of slack lanes
     changes = np.flatnonzero(np.diff(np.concatenate([[False], slack, [False]])))
     places = [
-        f"{POSITION.text(float(y[first] - half))} to {POSITION.text(float(y[last - 1] + half))}"
-        for first, last in changes.reshape(-1, 2)
+        " to ".join(POSITION.text(edge) for edge in run.tolist())
+        for run in edges[changes.reshape(-1, 2)]
     ]
     share = 100 * float(lanes.share.values[slack].sum())
     where = ", ".join(places)

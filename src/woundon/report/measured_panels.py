@@ -10,7 +10,7 @@ import numpy as np
 
 from ..quantities import strain, stress
 from ..roll.result import RollResult
-from .panels import LINES, SERIES, Axis, Curve, Limits, Panel
+from .panels import LINES, SERIES, Axis, Curve, Limits, Panel, with_margin
 from .report_parts import quantity_of
 from .study_panels import named_axis
 
@@ -116,10 +116,8 @@ def _ends(values: Array, used: Array) -> Limits:
     """
     kept = values[used & np.isfinite(values)]
     room = BEYOND * (kept.max() - kept.min())
-    near = values[(values >= kept.min() - room) & (values <= kept.max() + room)]
-    low, high = near.min(), near.max()
-    margin = MARGIN * (high - low or abs(high) or 1.0)  # [SI] around a single value
-    return float(low - margin), float(high + margin)
+    near = (values >= kept.min() - room) & (values <= kept.max() + room)
+    return with_margin(values[near], MARGIN)
 
 
 def _points(

@@ -41,6 +41,7 @@ __all__ = [
     "axis_of_names",
     "round_at_most",
     "widest",
+    "with_margin",
 ]
 
 Array = np.ndarray
@@ -372,6 +373,16 @@ def round_at_most(limit: float) -> float:
     """
     power = float(10.0 ** np.floor(np.log10(limit)))
     return max(n * power for n in (1, 2, 5) if n * power <= limit)
+
+
+def with_margin(values: Array, margin: float) -> Limits:
+    """Return the ends of an axis that contains all values, with a margin relative to their range.
+
+    Around a single value it is relative to this value, or 1 in SI units around zero.
+    """
+    low, high = float(np.min(values)), float(np.max(values))
+    width = margin * (high - low or abs(high) or 1.0)
+    return low - width, high + width
 
 
 def widest(limits: list[Limits]) -> Limits:

@@ -10,7 +10,7 @@ from ..problems.two_drums import TwoDrums
 from ..problems.winding import WindingProblem
 from ..quantities import value_of
 from ..winding.result import WindingResult
-from .panels import Axis, Curve, Panel
+from .panels import Axis, Curve, Panel, with_margin
 from .report_parts import quantity_of
 from .roll_panels import over_radius
 
@@ -44,7 +44,10 @@ def winder_panel(result: WindingResult) -> Panel:
     x, y = _web_path(problem, last)
     curves.append(Curve("web", x, y, label="web", colour="ink", width=2.4))
     size = quantity_of(result, "radius")
-    x_ends, y_ends = _ends([c.x for c in curves]), _ends([c.y for c in curves])
+    x_ends, y_ends = (
+        with_margin(np.concatenate(values), MARGIN)
+        for values in ([c.x for c in curves], [c.y for c in curves])
+    )
     return Panel(
         "winder",
         Axis("horizontal", size, limits=x_ends),
@@ -124,10 +127,3 @@ def _web_path(problem: WindingProblem, centre: tuple[float, float]) -> tuple[Arr
         np.append(drum * np.cos(start) - straight * np.sin(start), x),
         np.append(drum * np.sin(start) + straight * np.cos(start), y),
     )
-
-
-def _ends(values: list[Array]) -> tuple[float, float]:
-    """Return the ends of an axis that contains all values [m], with a margin."""
-    low, high = min(v.min() for v in values), max(v.max() for v in values)
-    margin = MARGIN * (high - low)
-    return float(low - margin), float(high + margin)

@@ -31,9 +31,9 @@ from .equations import (
     StageData,
     StageEquations,
     StageSolution,
+    initial_guess,
     interpolate_stages,
     joined,
-    stretched,
 )
 from .growth import ORDER, Growth, point_counts_of
 from .stage_nodes import Tension, cell_source, kinks_of, nodes_between, points_of_cells
@@ -446,6 +446,9 @@ class _Roll:
         )
         source = cell_source(self.tension, previous.with_stage(surface, kappa), nodes)
         points = points_of_cells(nodes)
+        last = None
+        if self.nodes:
+            last = self.nodes[-1], self.solutions[-1].P, self.solutions[-1].Q
         by_kappa = -self.tension.at(np.exp(points)) * previous.lagrange_basis(surface, points)
         solved = self.equations.solve_with_growth(
             StageData(
@@ -456,22 +459,11 @@ class _Roll:
                 own=self.layers.own(nodes),
             ),
             GrowthEffect(np.zeros((points.size, 1), dtype=int), by_kappa[:, None]),
-            *self._stretched_guess(nodes),
+            *initial_guess(nodes, self.T_c, last),
             np.array([kappa]),
             accepted_error,
         )
         return (solved and WoundStage(nodes, solved)), kappa
-
-    def _stretched_guess(self, nodes: Array) -> tuple[Array, Array]:
-        """Return the initial guess of P and Q = r dP/dr at the nodes ln r, (n + 1,) each [Pa].
-
-        It is the previous stage, stretched linearly to the new surface.  Without one, on the core,
-        the pressure decreases from the surface with the slope of the wound-on stress there.
-        """
-        if not self.nodes:
-            return self.T_c * (nodes[-1] - nodes), np.full_like(nodes, -self.T_c)
-        last, solved = self.nodes[-1], self.solutions[-1]
-        return stretched(last, solved.P, solved.Q, nodes)
 
     def append(self, stage: WoundStage) -> None:
         """Append a stage."""

@@ -26,6 +26,7 @@ from math import pi
 
 import numpy as np
 
+from ..elasticity.quadrature import gauss_points
 from .finished import FinalChanges, layers_of, opening
 from .roll_fields import RollFields
 
@@ -104,13 +105,9 @@ def mean_over_length(r: Array, values: Array) -> float:
 
 def wound_length(result: RollFields) -> float:
     """Return the length of web without stress of all layers [m]."""
-    points, weights = np.polynomial.legendre.leggauss(GAUSS)
-    # Gauss points between neighbouring nodes and stages: kappa is smooth between two stages
-    ends = np.union1d(result.radius, result.stage_radius)
-    half = np.diff(ends)[:, None] / 2
-    r = ends[:-1, None] + half * (1 + points)
-    length = _length_per_volume(result, r.ravel()).reshape(r.shape)
-    return float(np.sum(half * weights * 2 * pi * r * length))
+    # cells between neighbouring nodes and stages: kappa is smooth between two stages
+    r, weights = gauss_points(np.union1d(result.radius, result.stage_radius), GAUSS)
+    return float(weights @ (2 * pi * r * _length_per_volume(result, r)))
 
 
 def wound_mass(result: RollFields) -> float:

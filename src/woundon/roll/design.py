@@ -40,9 +40,9 @@ from ..problems.roll import RollProblem
 from ..problems.schedules import Profile, Schedule
 from ..quantities import stress
 from .build_up import Layers
-from .equations import StageData, StageSolution, interpolate_pressure
-from .finished import layers_of
-from .stage_nodes import evaluate_in_cells, nodes_between
+from .equations import StageData, StageSolution, initial_guess
+from .finished import layers_of, surface_layer_of_stack
+from .stage_nodes import evaluate_in_cells, nodes_between, radii_of_nodes
 
 __all__ = ["TensionDesign", "design_tension"]
 
@@ -174,12 +174,12 @@ def design_tension(
             f"more than rtol = {rtol:g} permits: it depends too much on the layer thickness; raise "
             "rtol, or take thinner layers"
         )
-    r = _radii(problem, x)
-    WOT = T * problem.web_thickness
+    ends = problem.core.radius, problem.radius
+    r, WOT = radii_of_nodes(x, *ends), T * problem.web_thickness
     schedule = Profile(radius=r.tolist(), value=WOT.tolist(), between="smooth")
     design = problem.replace(wound_on_tension=schedule)
     nodes, P = stages.finished_pressure(layers_of(design))
-    return TensionDesign(design, _radii(problem, nodes), target.pressure(nodes), P, rtol)
+    return TensionDesign(design, radii_of_nodes(nodes, *ends), target.pressure(nodes), P, rtol)
 
 
 class _SmoothTension:
@@ -218,13 +218,6 @@ class _SmoothTension:
     def difference(self, other: _SmoothTension) -> float:
         """Return the largest relative difference from another tension, at its points [1]."""
         return float(np.max(np.abs(self.spline(other.x) / other.T - 1)))
-
-
-def _radii(problem: RollProblem, x: Array) -> Array:
-    """Return r of x = ln r from core to surface, without rounding at both ends [m]."""
-    r = np.exp(x)
-    r[0], r[-1] = problem.core.radius, problem.radius
-    return r
 
 
 class _Target(Description):
@@ -328,13 +321,11 @@ class _TargetStages:
             slope = slope - layers.own_slope(core, 1)
         self.T_c = float((self.equations.core * on_core - slope)[0])
         self.solved: dict[float, tuple[Array, StageSolution]] = {}
-        law, E_t = target.problem.stack.radial, target.problem.stack.tangential
-        E = float(law.modulus(0.0))
-        # as in finished.surface_layer_depth; for a pressure P the tension T is bounded by
-        # T^2/(2 E_t) = W(P) <= F(P) P, W the energy of compression
-        P = float(np.max(target.pressure(target.knots)))
-        T = np.sqrt(2 * E_t * float(law.strain_at(P)) * P)
-        self.surface_layer = min(law.pressure_at_modulus(2 * E) / T, (E / E_t) ** 0.5, 0.3)
+        # for a pressure P the tension T is bounded by T^2/(2 E_t) = W(P) <= F(P) P, W the energy of
+        # compression
+        stack, P = target.problem.stack, float(np.max(target.pressure(target.knots)))
+        T = (2 * stack.tangential * float(stack.radial.strain_at(P)) * P) ** 0.5
+        self.surface_layer = surface_layer_of_stack(stack, T)
 
     def tension(self, x: float) -> float:
         """Return the wound-on stress T of the layer at ln r = x [Pa]."""
@@ -400,13 +391,9 @@ class _TargetStages:
         if x in self.known:
             return self.known[x][1].P, self.known[x][1].Q
         if not self.solved:
-            T = self.T_c
-            return T * (x - nodes), np.full_like(nodes, -T)
-        nearest = min(self.solved, key=lambda surface: abs(surface - x))
-        other_nodes, solved = self.solved[nearest]
-        t = (nodes - nodes[0]) / (x - nodes[0])
-        stretched = nodes - (x - nearest) * t
-        return interpolate_pressure(other_nodes, solved.P, solved.Q, stretched)
+            return initial_guess(nodes, self.T_c, None)
+        other_nodes, solved = self.solved[min(self.solved, key=lambda surface: abs(surface - x))]
+        return initial_guess(nodes, self.T_c, (other_nodes, solved.P, solved.Q))
 
 
 def _refined_radii(stages: _TargetStages, rtol: float) -> Array:

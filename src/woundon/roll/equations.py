@@ -75,6 +75,7 @@ __all__ = [
     "StageData",
     "StageEquations",
     "StageSolution",
+    "initial_guess",
     "interpolate_pressure",
     "interpolate_stages",
     "joined",
@@ -669,6 +670,28 @@ def stretched(x: Array, P: Array, Q: Array, x_new: Array) -> tuple[Array, Array]
     """
     t = (x_new - x_new[0]) / (x_new[-1] - x_new[0])
     return interpolate_pressure(x, P, Q, x_new - (x_new[-1] - x[-1]) * t)
+
+
+def initial_guess(
+    x: Array, tension: float, known: tuple[Array, Array, Array] | None
+) -> tuple[Array, Array]:
+    """Return the initial guess of P and Q of a stage, (n + 1,) each [Pa].
+
+    It is a known stage, stretched to the new surface.  Without one, on the core, the pressure
+    decreases from the core with the slope of the wound-on stress there.
+
+    Parameters
+    ----------
+    x : (n + 1,) array
+        ln r of the nodes.
+    tension : float
+        T_c of the core condition [Pa].
+    known : tuple of three (k + 1,) arrays, optional
+        ln r, P and Q of the known stage.
+    """
+    if known is None:
+        return tension * (x[-1] - x), np.full_like(x, -tension)
+    return stretched(*known, x)
 
 
 def joined(nodes: Sequence[Array]) -> tuple[Array, Array]:

@@ -34,10 +34,17 @@ from .separation import (
     solve_on_core,
     with_open_layers,
 )
-from .stage_nodes import cell_source, evaluate_in_cells, kinks_of, nodes_between
+from .stage_nodes import (
+    cell_source,
+    evaluate_in_cells,
+    kinks_of,
+    nodes_between,
+    radii_of_nodes,
+)
 
 if TYPE_CHECKING:
     from ..problems.roll import RollProblem
+    from ..problems.stack import Stack
     from .growth import Growth
 
 __all__ = [
@@ -56,6 +63,7 @@ __all__ = [
     "opening",
     "strains_of_layers",
     "surface_layer_depth",
+    "surface_layer_of_stack",
     "with_nodes",
 ]
 
@@ -102,9 +110,14 @@ def surface_layer_depth(problem: RollProblem) -> float:
     It is not a layer of the web.  The modulus doubles in it; if the modulus is nearly constant,
     solutions of the incremental equation decay in it.
     """
-    law, E = problem.stack.radial, float(problem.stack.radial.modulus(0.0))
     T = float(problem.tension_curve.at(np.array(problem.core.radius))) - problem.centrifugal_stress
-    return min(law.pressure_at_modulus(2 * E) / T, (E / problem.stack.tangential) ** 0.5, 0.3)
+    return surface_layer_of_stack(problem.stack, T)
+
+
+def surface_layer_of_stack(stack: Stack, tension: float) -> float:
+    """Return :func:`surface_layer_depth` for a wound-on stress less rho V^2 [Pa]."""
+    law, E = stack.radial, float(stack.radial.modulus(0.0))
+    return min(law.pressure_at_modulus(2 * E) / tension, (E / stack.tangential) ** 0.5, 0.3)
 
 
 class FinalChanges:
@@ -275,8 +288,7 @@ def finished_arrays(
     """
     layers, curve, stack = layers_of(problem).at_rest, problem.tension_curve, problem.stack
     x, P, Q = _finished_state(problem, layers, x, growth, solved)
-    r = np.exp(x)
-    r[0], r[-1] = problem.core.radius, problem.radius  # without the rounding error of exp(ln r)
+    r = radii_of_nodes(x, problem.core.radius, problem.radius)
     T, changes = curve.at(r), FinalChanges(problem)
     source = changes.added_to(cell_source(curve, growth, x), x)
     strains = strains_of_layers(problem, r, P, Q)

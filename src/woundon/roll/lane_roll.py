@@ -28,6 +28,7 @@ __all__ = [
     "LaneRoll",
     "WithLanes",
     "WorstLane",
+    "edges_of_lanes",
     "slack_lanes",
 ]
 
@@ -189,6 +190,12 @@ class LaneRoll:
             "position": ("position", self.lanes.position, {"units": "m"}),
         }
         return xarray.Dataset({**variables, **across}, places)
+
+
+def edges_of_lanes(position: Array) -> Array:
+    """Return the edges of L lanes next to each other from their middles [m], (L + 1,)."""
+    half = (position[1] - position[0]) / 2
+    return np.append(position - half, position[-1] + half)
 
 
 def slack_lanes(share: Array, tension: Array) -> Array:

@@ -60,6 +60,7 @@ from .equations import (
     SingularStageError,
     StageData,
     StageSolution,
+    initial_guess,
     source_residual,
     stretched,
 )
@@ -355,12 +356,12 @@ class _Lanes:
         core_layer = self.equations.core_layer
         nodes = nodes_between(start, surface, self.cells, self.surface_layer, *kinks, core_layer)
         source = cell_source(self.tension, growth, nodes)
-        guess = self.T_c * (surface - nodes), np.full_like(nodes, -self.T_c)
-        if isinstance(self.last, LaneBuildUp):
-            last = self.last
-            guess = stretched(last.x, last.reference_P, last.reference_Q, nodes)
+        last = self.last
+        known = None
+        if isinstance(last, LaneBuildUp):
+            known = last.x, last.reference_P, last.reference_Q
         stage = StageData(nodes, source, self.T_c, own=self.layers.own(nodes))
-        solved = self.equations.solve(stage, *guess)
+        solved = self.equations.solve(stage, *initial_guess(nodes, self.T_c, known))
         if solved is None:
             raise NotWoundError(no_stage_of_roll(surface))
         return nodes, solved.P, solved.Q

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 
 from ..arguments import check_type
+from ..problems.web import CENTRIFUGAL_TENSION
 from ..quantities import Quantity, length, line_load, pure, share, strain, stress
 from ..results import Residuals
 from .certificate import certificate
@@ -29,14 +30,133 @@ from .weight import flat_width, weight_of_layers, weight_share
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-__all__ = ["RollResult"]
+__all__ = ["RollResult", "WithRoll"]
 
 Array = np.ndarray
 SAMPLES = 1001  # radii at which the sign of the hoop stress is evaluated
 
 
+class WithRoll:
+    """Outputs of the wound roll, of a result that is one or has wound one."""
+
+    @property
+    def roll(self) -> RollResult:
+        """The finished roll."""
+        raise NotImplementedError
+
+    @property
+    def core_pressure(self) -> Annotated[float, stress("P_c", "pressure on the core")]:
+        """P at the core [Pa]."""
+        return float(self.roll.pressure[0])
+
+    @property
+    def peak_pressure(self) -> Annotated[float, stress("P_max", "largest pressure in the roll")]:
+        """Largest P [Pa]."""
+        return float(np.max(self.roll.pressure))
+
+    @property
+    def mid_pressure(self) -> Annotated[float, stress("P_mid", "pressure halfway to the surface")]:
+        """P half-way between core and surface [Pa]."""
+        r = self.roll.radius
+        return float(self.roll.at_radius((r[0] + r[-1]) / 2)["pressure"])
+
+    @property
+    def least_hoop_stress(
+        self,
+    ) -> Annotated[float, stress("sigma_min", "minimum hoop (MD) stress, < 0: compression")]:
+        """Smallest sigma_t [Pa]."""
+        return float(np.min(self.roll.hoop_stress))
+
+    @property
+    def bore_hoop_stress(
+        self,
+    ) -> Annotated[float, stress("sigma_b", "hoop (MD) stress at the bore, > 0: tension")]:
+        """sigma_t of the innermost layer [Pa]."""
+        return float(self.roll.hoop_stress[0])
+
+    @property
+    def bore_displacement(
+        self,
+    ) -> Annotated[float, length("u_b", "change of the radius of the bore since winding", "um")]:
+        """Outward displacement of the inner face since the innermost layer was wound [m].
+
+        Winding, the changes after it and the release from the core move it.
+        """
+        return bore_displacement(self.roll)
+
+    @property
+    def core_gap(
+        self,
+    ) -> Annotated[float, length("g_c", "gap between the core and the roll", "um")]:
+        """Radial gap between core and roll, zero if they touch [m]; nan if the core is removed."""
+        return core_gap(self.roll)
+
+    @property
+    def separation_radius(
+        self,
+    ) -> Annotated[float, length("r_s", "outer radius of the open layers")]:
+        """Largest radius at which the layers have separated [m]; nan if none have."""
+        is_open = self.roll.opening > 0
+        return float(self.roll.radius[is_open][-1]) if is_open.any() else float("nan")
+
+    @property
+    def sliding_collapse_load(self) -> Annotated[float, SLIDING]:
+        """Pressure on the inner layers over their buckling pressure, if they slide freely [1].
+
+        Below 1 they do not collapse; nan on a core, which supports them.
+        """
+        return collapse_loads(self.roll).sliding
+
+    @property
+    def bonded_collapse_load(self) -> Annotated[float, BONDED]:
+        """Pressure on the inner layers over their buckling pressure, if they stick together [1].
+
+        Above 1 they collapse even without slip; nan on a core, which supports them.
+        """
+        return collapse_loads(self.roll).bonded
+
+    @property
+    def length(
+        self,
+    ) -> Annotated[float, length("L", "length of web, counted in layers without pressure", "m")]:
+        """Area of the end face divided by the thickness of the web without pressure [m]."""
+        roll = self.roll
+        R, core = float(roll.radius[-1]), float(roll.radius[0])
+        return pi * (R**2 - core**2) / roll.problem.unloaded_thickness
+
+    @property
+    def wound_length(
+        self,
+    ) -> Annotated[float, length("L_w", "length of web, its layers compressed as wound", "m")]:
+        """Length of web without stress whose layers, compressed as wound, fill the roll [m]."""
+        return float(wound_length(self.roll))
+
+    @property
+    def mass(
+        self,
+    ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per width")]:
+        """Mass of ``length`` of the web [kg/m]; nan without its density."""
+        problem = self.roll.problem
+        if problem.density is None:
+            return nan
+        return self.length * float(problem.web_thickness) * float(problem.density)
+
+    @property
+    def running_core_pressure(
+        self,
+    ) -> Annotated[float, stress("P_c,V", "pressure of the running roll on the core")]:
+        """P of the running roll at the core [Pa]; nan without centrifugal force."""
+        P = self.roll.running_pressure
+        return float(P[0]) if P.size else nan
+
+    @property
+    def centrifugal_tension(self) -> Annotated[float, CENTRIFUGAL_TENSION]:
+        """m V^2, by which the running web presses less [N/m]; nan without speed or density."""
+        return self.roll.problem.centrifugal_tension or nan
+
+
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class RollResult(RollFields):
+class RollResult(WithRoll, RollFields):
     """The stresses in a wound roll, over its radius.
 
     Attributes
@@ -105,26 +225,9 @@ class RollResult(RollFields):
         return lanes.with_layer_error(of_layers / self.peak_pressure)
 
     @property
-    def core_pressure(self) -> Annotated[float, stress("P_c", "pressure on the core")]:
-        """P at the core [Pa]."""
-        return float(self.pressure[0])
-
-    @property
-    def peak_pressure(self) -> Annotated[float, stress("P_max", "largest pressure")]:
-        """Largest P [Pa]."""
-        return float(np.max(self.pressure))
-
-    @property
-    def mid_pressure(self) -> Annotated[float, stress("P_mid", "pressure halfway to the surface")]:
-        """P half-way between core and surface [Pa]."""
-        return float(self.at_radius((self.radius[0] + self.radius[-1]) / 2)["pressure"])
-
-    @property
-    def least_hoop_stress(
-        self,
-    ) -> Annotated[float, stress("sigma_min", "minimum hoop (MD) stress, < 0: compression")]:
-        """Smallest sigma_t [Pa]."""
-        return float(np.min(self.hoop_stress))
+    def roll(self) -> RollResult:
+        """The result itself, as ``roll`` of a winding."""
+        return self
 
     @property
     def is_changed(self) -> bool:
@@ -137,59 +240,11 @@ class RollResult(RollFields):
         return wound_stage(self)
 
     @property
-    def bore_hoop_stress(
-        self,
-    ) -> Annotated[float, stress("sigma_b", "hoop (MD) stress at the bore, > 0: tension")]:
-        """sigma_t of the innermost layer [Pa]."""
-        return float(self.hoop_stress[0])
-
-    @property
-    def bore_displacement(
-        self,
-    ) -> Annotated[float, length("u_b", "change of the radius of the bore since winding", "um")]:
-        """Outward displacement of the inner face since the innermost layer was wound [m].
-
-        Winding, the changes after it and the release from the core move it.
-        """
-        return bore_displacement(self)
-
-    @property
-    def core_gap(
-        self,
-    ) -> Annotated[float, length("g_c", "gap between the core and the roll", "um")]:
-        """Radial gap between core and roll, zero if they touch [m]; nan if the core is removed."""
-        return core_gap(self)
-
-    @property
     def opening(
         self,
     ) -> Annotated[Array, strain("eps_g", "gaps between the layers, per thickness of the layers")]:
         """Radial strain by gaps between open layers, C/E_t; zero where they are in contact [1]."""
         return opening(self)
-
-    @property
-    def separation_radius(
-        self,
-    ) -> Annotated[float, length("r_s", "outer radius of the open layers")]:
-        """Largest radius at which the layers have separated [m]; nan if none have."""
-        is_open = self.opening > 0
-        return float(self.radius[is_open][-1]) if is_open.any() else float("nan")
-
-    @property
-    def sliding_collapse_load(self) -> Annotated[float, SLIDING]:
-        """Pressure on the inner layers over their buckling pressure, if they slide freely [1].
-
-        Below 1 they do not collapse; nan on a core, which supports them.
-        """
-        return collapse_loads(self).sliding
-
-    @property
-    def bonded_collapse_load(self) -> Annotated[float, BONDED]:
-        """Pressure on the inner layers over their buckling pressure, if they stick together [1].
-
-        Above 1 they collapse even without slip; nan on a core, which supports them.
-        """
-        return collapse_loads(self).bonded
 
     @property
     def compressed_share(
@@ -216,20 +271,6 @@ class RollResult(RollFields):
         return self.as_wound.stresses_at(self.radius)[1]
 
     @property
-    def running_core_pressure(
-        self,
-    ) -> Annotated[float, stress("P_c,V", "pressure of the running roll on the core")]:
-        """P of the running roll at the core [Pa]; nan without centrifugal force."""
-        return float(self.running_pressure[0]) if self.running_pressure.size else nan
-
-    @property
-    def centrifugal_tension(
-        self,
-    ) -> Annotated[float, line_load("m V^2", "part of the tension taken by centrifugal force")]:
-        """m V^2, by which the running web presses less [N/m]; nan without speed or density."""
-        return self.problem.centrifugal_tension or nan
-
-    @property
     def finite_layer_change(
         self,
     ) -> Annotated[Array, stress("P_h", "pressure added by layers of finite thickness")]:
@@ -245,41 +286,16 @@ class RollResult(RollFields):
         return float(change[np.argmax(np.abs(change))]) / self.peak_pressure
 
     @property
-    def length(
-        self,
-    ) -> Annotated[float, length("L", "length of web, counted in layers without pressure", "m")]:
-        """Area of the end face divided by the thickness of the web without pressure [m]."""
-        R, core = float(self.radius[-1]), float(self.radius[0])
-        return pi * (R**2 - core**2) / self.problem.unloaded_thickness
-
-    @property
-    def wound_length(
-        self,
-    ) -> Annotated[float, length("L_w", "length of web, its layers compressed as wound", "m")]:
-        """Length of web without stress whose layers, compressed as wound, fill the roll [m]."""
-        return float(wound_length(self))
-
-    @property
     def layer_count(self) -> Annotated[float, pure("n", "layers on the roll")]:
         """Build-up divided by the thickness of the web without pressure [1]."""
         return float(self.radius[-1] - self.radius[0]) / self.problem.unloaded_thickness
-
-    @property
-    def mass(
-        self,
-    ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per width")]:
-        """Mass of ``length`` of the web [kg/m]; nan without its density."""
-        density = self.problem.density
-        if density is None:
-            return float("nan")
-        return self.length * float(self.problem.web_thickness) * float(density)
 
     @property
     def bending_strain(
         self,
     ) -> Annotated[Array, strain("eps_b", "bending strain at the faces of the layers")]:
         """h/2r, the strain at the faces of a straight web that is bent to the radius r [1]."""
-        return np.asarray(self.problem.web_thickness / (2 * self.radius))
+        return np.asarray(self.problem.bending_strain(self.radius))
 
     @property
     def weight_pressure(

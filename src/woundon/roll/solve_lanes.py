@@ -20,8 +20,8 @@ from .equations import (
     OwnPressure,
     StageData,
     StageSolution,
+    initial_guess,
     interpolate_pressure,
-    stretched,
 )
 from .finished import (
     ROUNDING,
@@ -31,12 +31,12 @@ from .finished import (
     surface_layer_depth,
     with_nodes,
 )
-from .lane_roll import NIP_LOADS, PRESSURES, LaneRoll, WorstLane
+from .lane_roll import NIP_LOADS, POSITION, PRESSURES, LaneRoll, WorstLane
 from .lane_tension import TensionOfLanes, tension_of_web
 from .lanes import LOAD, RHO, THETA, WEB, LaneBuildUp, TensionAt, stage_data, wind_lanes
 from .roll_fields import RollFields
 from .separation import solve_on_core
-from .stage_nodes import cell_source, kinks_of, nodes_between
+from .stage_nodes import cell_source, kinks_of, nodes_between, radii_of_nodes
 
 __all__ = ["NipsAcross", "build_up_of", "solve_lanes"]
 
@@ -91,11 +91,9 @@ def build_up_of(result: RollFields) -> BuildUp:
                 layers.equations.core_layer,
             )
         source = cell_source(curve, growth, nodes)
-        guess = T_c * (nodes[-1] - nodes), np.full_like(nodes, -T_c)
-        if solutions:
-            guess = stretched(all_nodes[-1], solutions[-1].P, solutions[-1].Q, nodes)
+        last = (all_nodes[-1], solutions[-1].P, solutions[-1].Q) if solutions else None
         stage = StageData(nodes, source, T_c, own=layers.own(nodes))
-        solved = layers.equations.solve(stage, *guess)
+        solved = layers.equations.solve(stage, *initial_guess(nodes, T_c, last))
         if solved is None:
             raise NotConverged("a stage of the roll could not be solved again")
         all_nodes.append(nodes)
@@ -236,8 +234,7 @@ def _solve(
     except NotWoundError as stop:
         raise NotConverged(f"with lanes across the width {stop}") from None
     x, *states = _finished(problem, wound, lanes)
-    r, functions = np.exp(x), wound.functions(x)
-    r[0], r[-1] = result.radius[[0, -1]]  # without the rounding error of exp(ln r)
+    r, functions = radii_of_nodes(x, *result.radius[[0, -1]]), wound.functions(x)
     T, h, thickness = curve.at(r), float(problem.web_thickness), (1 + lanes.excess)[:, None]
     theta = _shared(functions[THETA], lanes.share * (1 + lanes.excess))
     tension = h * T * theta * thickness
@@ -349,7 +346,8 @@ def _finished(
         P[:, 0] = 0.0  # without the rounding error
     loosest = np.unravel_index(np.argmin(P), P.shape)
     if problem.is_changed and P[loosest] < -ROUNDING * float(np.max(P)):
-        place = f"the lane at {lanes.position[loosest[0]]:.4g} m across the web"
+        position = POSITION.stored_text(lanes.position[loosest[0]])
+        place = f"the lane at {position} across the web"
         raise NotConverged(
             f"the layers of {place} separate: the changes after winding reduce the pressure to zero"
         )
@@ -391,8 +389,9 @@ def _check_law(roll: LaneRoll, stack: Stack) -> None:
     end = min(stack.limit, stack.radial.max_pressure)
     if end > P:
         return
+    position = POSITION.stored_text(roll.lanes.position[lane])
     raise NotConverged(
-        f"the pressure of the lane at {roll.lanes.position[lane]:.4g} m across the web reaches "
-        f"{P:.4g} Pa, beyond the range of the stack law, which ends at {end:.4g} Pa; lower the "
-        "tension, oscillate the web, or extend the law"
+        f"the pressure of the lane at {position} across the web reaches {P:.4g} Pa, beyond the "
+        f"range of the stack law, which ends at {end:.4g} Pa; lower the tension, oscillate the "
+        "web, or extend the law"
     )

@@ -17,6 +17,7 @@ __all__ = [
     "kinks_of",
     "nodes_between",
     "points_of_cells",
+    "radii_of_nodes",
     "source_error",
 ]
 
@@ -41,6 +42,13 @@ class Tension(Protocol):
     def slope(self, r: Array, side: int | Array) -> Array:
         """Return dT/dr [Pa/m]; at a kink, that of its inner (-1) or outer (1) side."""
         ...
+
+
+def radii_of_nodes(x: Array, core: float, surface: float) -> Array:
+    """Return r of nodes x = ln r [m]; both ends without the rounding error of exp(ln r)."""
+    r = np.exp(x)
+    r[0], r[-1] = core, surface
+    return np.asarray(r)
 
 
 def nodes_between(

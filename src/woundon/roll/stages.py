@@ -17,6 +17,7 @@ from ..errors import InvalidProblem, NotConverged
 from ..problems.finished_roll import UNCHANGED
 from ..problems.messages import quote
 from ..problems.permitted import is_within
+from ..problems.radii import radii_on_roll
 from ..problems.roll import FEWEST_LAYERS, RollProblem
 from ..problems.schedules import AnySchedule, Steps, Taper
 from .build_up import Layers
@@ -35,7 +36,7 @@ from .finished import (
     surface_layer_depth,
 )
 from .roll_fields import RollFields
-from .stage_nodes import cell_source, kinks_of, nodes_between
+from .stage_nodes import cell_source, kinks_of, nodes_between, radii_of_nodes
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -97,7 +98,7 @@ def stresses_between(
 
     They are those of the finished roll, or of the roll at a ``stage``.
     """
-    r = _radii_on_roll(result, radius)
+    r = radii_on_roll(radius, *result.radius[[0, -1]].tolist())
     P, hoop = (stage or finished_stage(result)).stresses_at(r)
     return {"pressure": P[()], "hoop_stress": hoop[()]}
 
@@ -128,7 +129,7 @@ def stage_arrays(result: RollFields, radius: float) -> dict[str, Any]:
     InvalidProblem
         For a radius outside the roll, or of fewer than ten layers.
     """
-    r = _radii_on_roll(result, radius)
+    r = radii_on_roll(radius, *result.radius[[0, -1]].tolist())
     if r.ndim:  # several radii
         raise InvalidProblem.at("radius", f"{r.size} values; must be one radius [m]")
     surface, problem = float(r), result.problem
@@ -192,8 +193,7 @@ def stages_at(
             stages.append(finished_stage(result))
             continue
         x, solution = solutions[radius]
-        r = np.exp(x)
-        r[0], r[-1] = core, radius  # without rounding
+        r = radii_of_nodes(x, core, radius)
         stages.append(Stage(r, *layers.total(x, solution.P, solution.Q), h, T * h, c))
     return stages
 
@@ -236,30 +236,6 @@ def _guess(result: RollFields) -> tuple[Array, Array]:
     """
     layers, x = layers_of(result.problem), np.log(result.radius)
     return layers.additional(x, np.maximum(result.pressure, 0.0), result.pressure_gradient)
-
-
-def _radii_on_roll(result: RollFields, radius: ArrayLike) -> Array:
-    """Return radii [m] as an array; those outside the roll by a rounding error are set to its ends.
-
-    A single number gives an array without dimensions.
-
-    Raises
-    ------
-    InvalidProblem
-        For a radius outside the roll.
-    """
-    try:
-        r = np.asarray(radius, dtype=float)
-    except (TypeError, ValueError):
-        text = f"{quote(radius)} is not a number; must be a radius on the roll [m]"
-        raise InvalidProblem.at("radius", text) from None
-    core, surface = float(result.radius[0]), float(result.radius[-1])
-    outside = r[~is_within(r, core, surface)]
-    if outside.size:
-        must = f"must be >= {core:.6g} and <= {surface:.6g} [m], on the roll"
-        text = f"{quote(float(outside.flat[0]))} is out of range; {must}"
-        raise InvalidProblem.at("radius", text)
-    return np.clip(r, core, surface)
 
 
 def _solve_stages(

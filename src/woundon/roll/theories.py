@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..arguments import check_type, whole_number
+from ..elasticity.quadrature import gauss_points
 from ..errors import InvalidProblem
 from ..problems.free_strains import FREE_STRAINS
 from ..problems.radial_laws import Constant
@@ -97,20 +98,17 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
     start, end, kinks = float(np.log(core)), float(np.log(R)), np.log(curve.kinks)
     layer = equations.core_layer
     grid = nodes_between(start, end, 400, min(1 / g, 0.3), kinks, core_layer=layer) - start
-    points, weights = np.polynomial.legendre.leggauss(GAUSS)
     # the first one is at the core; then those of the pressure and of the hoop stress
     middle = middle_of_layers(r, np.array([core, R]), layers.thickness)
     x_all = np.log(np.concatenate([[core], r, middle]) / core)
     integral = np.empty(x_all.size)
     for k, x in enumerate(x_all):
-        # cells from x to the surface, with Gauss points each
-        ends = np.concatenate([[x], grid[grid > x]])
-        half = np.diff(ends)[:, None] / 2
-        y = ends[:-1, None] + half * (1 + points)
+        # cells from x to the surface
+        y, weights = gauss_points(np.concatenate([[x], grid[grid > x]]), GAUSS)
         integrand = (
             tension(core * np.exp(y)) * np.exp(-(g - 1) * (y - x)) / homogeneous_solution(y)[0]
         )
-        integral[k] = float(np.sum(half * weights * integrand)) if ends.size > 1 else 0.0
+        integral[k] = float(weights @ integrand)
     P_wound, integral = float((1 + A) * integral[0]), integral[1:]
     r_all = core * np.exp(x_all[1:])
     F, slope = homogeneous_solution(x_all[1:])

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..problems.radial_laws import Constant
 from ..problems.roll import RollProblem
-from ..validity import limit_warning
+from ..validity import LENGTH, PRESSURE, STIFFNESS, TENSION, limit_warning
 from .collapse import collapse_loads
 from .finished import opening
 from .roll_fields import RollFields
@@ -34,10 +34,11 @@ def _separation_warnings(result: RollFields) -> Iterator[str]:
     gaps = opening(result)
     is_open = (gaps > 0).astype(int)
     if is_open.any():
-        r = result.radius * 1e3
-        steps = np.diff(is_open, prepend=0, append=0)
+        r, steps = result.radius, np.diff(is_open, prepend=0, append=0)
         zones = zip(r[np.flatnonzero(steps > 0)], r[np.flatnonzero(steps < 0) - 1], strict=True)
-        radii = " and ".join(f"from {first:.4g} to {last:.4g} mm radius" for first, last in zones)
+        radii = " and ".join(
+            f"from {1e3 * first:.4g} to {LENGTH.stored_text(last)} radius" for first, last in zones
+        )
         yield (
             f"the layers have separated {radii}: the changes after winding leave gaps of up to "
             f"{100 * gaps.max():.3g}% of their thickness"
@@ -58,22 +59,22 @@ def _strain_warnings(result: RollFields) -> Iterator[str]:
     yield from limit_warning(
         "web strain",
         float(T[k]) / problem.stack.tangential,
-        "the web is wound at a strain of {}, by a tension of {0:.4g} N/m",
-        T[k] * problem.web_thickness,
+        "the web is wound at a strain of {}, by a tension of {0}",
+        TENSION.stored_text(T[k] * problem.web_thickness),
     )
     k = int(np.abs(result.layer_strain).argmax())
     if abs(result.layer_strain[k]) > T.max() / problem.stack.tangential:
         yield from limit_warning(
             "web strain",
             float(result.layer_strain[k]),
-            "the strain of the layers is {} at the radius {0:.4g} mm",
-            result.radius[k] * 1e3,
+            "the strain of the layers is {} at the radius {0}",
+            LENGTH.stored_text(result.radius[k]),
         )
     yield from limit_warning(
         "bending strain",
-        _bending_strain(problem),
-        "the web is bent to a strain of {} on the core of {0:.4g} mm radius",
-        problem.core.radius * 1e3,
+        problem.bending_strain(problem.core.radius),
+        "the web is bent to a strain of {} on the core of {0} radius",
+        LENGTH.stored_text(problem.core.radius),
     )
 
 
@@ -85,17 +86,17 @@ def _stack_warnings(result: RollFields) -> Iterator[str]:
     yield from limit_warning(
         "layer compression",
         float(law.strain_at(P)),
-        "the layers are compressed by {} at the pressure {0:.4g} kPa",
-        P / 1e3,
+        "the layers are compressed by {} at the pressure {0}",
+        PRESSURE.stored_text(P),
     )
     if not isinstance(law, Constant):
         yield from limit_warning(
             "stack modulus",
             float(law.modulus(P)) / stack.tangential,
-            "the stack law gives a radial modulus of {0:.4g} MPa at the pressure {1:.4g} kPa, {} "
-            "of the modulus along the web",
-            law.modulus(P) / 1e6,
-            P / 1e3,
+            "the stack law gives a radial modulus of {0} at the pressure {1}, {} of the modulus "
+            "along the web",
+            STIFFNESS.stored_text(law.modulus(P)),
+            PRESSURE.stored_text(P),
         )
 
 
@@ -108,17 +109,13 @@ def yield_warnings(problem: RollProblem, yield_strain: float | None) -> tuple[st
     yield_strain : float, optional
         Of the web, if it is known [1].
     """
-    bending, core = _bending_strain(problem), problem.core.radius
+    core = problem.core.radius
+    bending = problem.bending_strain(core)
     wound = float(problem.tension_curve.at(np.array(core))) / problem.stack.tangential
     if yield_strain is None or wound + bending <= yield_strain:
         return ()
     return (
-        f"the web yields where it is bent on the core of {core * 1e3:.4g} mm radius: its strain of "
-        f"{100 * wound:.3g}% by the tension and {100 * bending:.3g}% by bending exceeds the yield "
-        f"strain of {100 * yield_strain:.3g}%",
+        f"the web yields where it is bent on the core of {LENGTH.stored_text(core)} radius: its "
+        f"strain of {100 * wound:.3g}% by the tension and {100 * bending:.3g}% by bending exceeds "
+        f"the yield strain of {100 * yield_strain:.3g}%",
     )
-
-
-def _bending_strain(problem: RollProblem) -> float:
-    """Return h/(2 r_c), the strain at the faces of a web that is bent on the core [1]."""
-    return float(problem.web_thickness / (2 * problem.core.radius))

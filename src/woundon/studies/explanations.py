@@ -113,7 +113,7 @@ class InputEffects:
         residual : (k,) array
             Measured minus predicted.
         """
-        if hasattr(self.model.kind.result, "roll"):  # of a winding: a derivative costs two of them
+        if self.model.kind.name == "winding":  # a derivative costs two of them
             return [
                 "inputs are not examined for windings; spread= states the effect of one of them"
             ]

@@ -20,6 +20,7 @@ from ..errors import InvalidProblem, one_of
 from ..io.logs import POSITIONS
 from ..problems.messages import quote
 from ..problems.problem import Problem
+from ..problems.radii import radii_on_roll
 from ..problems.units import parse
 from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
 from ..results import Result
@@ -273,7 +274,9 @@ def arrays_over_radius(result: type[Result], fields: Collection[str]) -> dict[st
     of_roll: dict[str, Quantity] = {}
     roll = getattr(result, "roll", None)
     if isinstance(roll, property) and roll.fget is not None:  # its annotation is the class
-        of_roll = arrays_over_radius(get_type_hints(roll.fget)["return"], fields)
+        class_of_roll = get_type_hints(roll.fget)["return"]
+        if class_of_roll is not result:
+            of_roll = arrays_over_radius(class_of_roll, fields)
     others = {"radius", *fields, *scalar_outputs(result), *result.ALONG}
     return of_roll | {name: quantity for name, quantity in arrays.items() if name not in others}
 
@@ -313,6 +316,11 @@ def read_deviation(
 # ---- predictions --------------------------------------------------------------------------------
 
 
+def _roll_of(result: Result) -> Any:
+    """Return the roll of a result; the result itself of a kind of problem that has no roll."""
+    return getattr(result, "roll", result)
+
+
 def predict(result: Result, observable: Observable) -> float:
     """Return the prediction of a measured value.
 
@@ -324,7 +332,7 @@ def predict(result: Result, observable: Observable) -> float:
     name, radius = observable
     if not isfinite(radius):
         return float(value_of(result, name))
-    roll: Any = getattr(result, "roll", result)
+    roll = _roll_of(result)
     R = roll.radius[-1] if hasattr(roll, "radius") else np.nan
     if name == PRESSURE and abs(radius / R - 1) <= AT_SURFACE:
         text = "is zero at the surface of the roll, so that a value measured there is left out"
@@ -341,10 +349,8 @@ def predict(result: Result, observable: Observable) -> float:
         return float(value_of(roll.at(radius), name))
     # an array over the radius, of the winding or of the roll that it has wound
     holder: Any = result if hasattr(type(result), name) or name in vars(result) else roll
-    low, high = float(holder.radius[0]), float(holder.radius[-1])
-    if not low <= radius <= high:
-        text = f"{radius:.6g} is out of range; must be >= {low:.6g} and <= {high:.6g} [m]"
-        raise InvalidProblem.at("measured_radius", text)
+    core, surface = holder.radius[[0, -1]].tolist()
+    radius = float(radii_on_roll(radius, core, surface, "measured_radius"))
     values = np.asarray(value_of(holder, name))
     if values.shape != np.shape(holder.radius):
         raise InvalidProblem.at(name, "is not an output over the radius")
@@ -353,7 +359,7 @@ def predict(result: Result, observable: Observable) -> float:
 
 def definitions(result: Result, names: Sequence[str]) -> Iterator[str]:
     """Yield the definitions of measured quantities that have two, with their values."""
-    roll: Any = getattr(result, "roll", result)
+    roll = _roll_of(result)
     if LENGTH not in names or not hasattr(roll, LENGTH):
         return
     known = scalar_outputs(type(roll))
@@ -375,7 +381,7 @@ def error_at(result: Result, observable: Observable) -> float:
     if name in errors and not isfinite(radius):
         return float(errors[name])
     if name in (PRESSURE, "hoop_stress") and {"core_pressure", "mid_pressure"} <= set(errors):
-        roll: Any = getattr(result, "roll", result)
+        roll = _roll_of(result)
         radii = roll.radius
         ends = (radii[0], (radii[0] + radii[-1]) / 2)
         return float(np.interp(radius, ends, (errors["core_pressure"], errors["mid_pressure"])))

@@ -46,7 +46,7 @@ from ..problems.bodies import Body
 from ..problems.paths import field_or_none
 from ..problems.thickness_profile import Lanes
 from ..roll.finite_layers import finite_layer_errors
-from ..roll.lane_roll import NIP_LOADS, LaneRoll
+from ..roll.lane_roll import NIP_LOADS, POSITION, LaneRoll
 from ..roll.lane_tension import DrumsAcross, TensionOfLanes, tension_in_nips, tension_of_web
 from ..roll.lanes import TensionAt
 from ..roll.result import RollResult
@@ -546,7 +546,7 @@ def _load_warnings(lanes: LaneRoll, nips: NipsOfWinding) -> Iterator[str]:
     largest, position = largest_load(lanes)
     if largest > nips.solved_up_to:
         yield (
-            f"the lane at {position:.4g} m across the web carries up to {largest:.3g} times the "
-            f"mean nip load: nips are solved up to {nips.solved_up_to:.3g} times the mean, and "
-            "extrapolated beyond"
+            f"the lane at {POSITION.stored_text(position)} across the web carries up to "
+            f"{largest:.3g} times the mean nip load: nips are solved up to "
+            f"{nips.solved_up_to:.3g} times the mean, and extrapolated beyond"
         )

@@ -45,6 +45,7 @@ from ..roll.gauge_band import gauge_band_over, lane_strain
 from ..roll.lane_roll import POSITION
 from ..roll.result import RollResult
 from ..roll.stages import Stage, stages_at, wound_stage
+from ..validity import LENGTH, PRESSURE
 from .criteria import (
     coil_set,
     collapse_pressure,
@@ -550,7 +551,7 @@ def margins(
     >>> found.violated
     ('blocking',)
     """
-    roll = result if isinstance(result, RollResult) else getattr(result, "roll", None)
+    roll = getattr(result, "roll", None)
     if not isinstance(roll, RollResult):
         names = one_of(("WindingResult", "RollResult"))
         raise InvalidProblem.at(
@@ -828,7 +829,7 @@ def _worst(states: list[_State], values: list[Array]) -> _WorstValue:
     elif state.surface == final.surface:
         stage = "of the running roll"
     else:
-        stage = f"when the roll was {1e3 * state.surface:.4g} mm"
+        stage = f"when the roll was {LENGTH.stored_text(state.surface)}"
         stage += f", {state.motion}" if state.motion else ""
     # at radii of the finished roll; -inf beyond the surface of a stage, where it has no layers
     over_radius = [
@@ -912,7 +913,8 @@ def _buckling_note(final: _State, roll: RollResult) -> str:
     limit = sliding_layers_buckling_stress(
         mean, stack.tangential, float(roll.problem.web_thickness), depth
     )
-    return f"layers that slid freely would buckle at about {1e-3 * limit:.3g} kPa (estimate)"
+    about = PRESSURE.stored_text(limit, ".3g")
+    return f"layers that slid freely would buckle at about {about} (estimate)"
 
 
 def _blocking(final: _State, limits: Limits) -> Margin:
@@ -1043,7 +1045,7 @@ def _bending(roll: RollResult, limits: Limits, lanes: xarray.Dataset | None) -> 
         strains = even + bent
     else:
         r = lanes.radius.values
-        bent = problem.web_thickness / (2 * r)
+        bent = problem.bending_strain(r)
         tension = _largest_strain_of_lanes(lanes, problem)
         of_lanes = np.maximum(tension, -lanes.hoop_stress.values / E_t)  # radius and position
         lane = int(np.argmax((of_lanes + bent[:, None]).max(axis=0)))

@@ -17,6 +17,7 @@ from ..problems.winding import WindingProblem
 from ..roll.density import mean_over_length
 from ..roll.result import RollResult
 from ..roll.stages import Stage, stages_at
+from ..validity import LENGTH
 from .bodies import NipSample, predicted_nip, solved_nip, with_exponents
 
 __all__ = ["PRESSURE_TOLERANCE", "Nips", "warnings_of"]
@@ -247,10 +248,10 @@ def warnings_of(nips: Iterable[tuple[float, tuple[str, ...]]]) -> tuple[str, ...
 
 def _radii_text(radii: list[float]) -> str:
     """Return the radii of a warning as text."""
-    first_nip = f"nip at the radius {radii[0] * 1e3:.4g} mm"
+    first_nip = f"nip at the radius {LENGTH.stored_text(radii[0])}"
     if len(radii) == 1:
         return first_nip
-    return f"{first_nip} and {len(radii) - 1} more up to {max(radii) * 1e3:.4g} mm"
+    return f"{first_nip} and {len(radii) - 1} more up to {LENGTH.stored_text(max(radii))}"
 
 
 @contextmanager

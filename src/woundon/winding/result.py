@@ -9,9 +9,8 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from ..quantities import Quantity, length, line_load, stress
+from ..quantities import length, line_load
 from ..results import Residuals
-from ..roll.collapse import BONDED, SLIDING
 from ..roll.density import mean_over_length
 from ..roll.lane_roll import LANES, LaneRoll
 from .certificate import certificate, recomputed_nips
@@ -194,101 +193,6 @@ class WindingResult(WithMargins):
         if drum is None:
             return float("nan")
         return mean_over_length(self.nip_radius, drum.added_tension)
-
-    @property
-    def core_pressure(self) -> Annotated[float, stress("P_c", "pressure on the core")]:
-        """P at the core of the finished roll [Pa]."""
-        return self.roll.core_pressure
-
-    @property
-    def peak_pressure(self) -> Annotated[float, stress("P_max", "largest pressure in the roll")]:
-        """Largest P in the finished roll [Pa]."""
-        return self.roll.peak_pressure
-
-    @property
-    def mid_pressure(self) -> Annotated[float, stress("P_mid", "pressure halfway to the surface")]:
-        """P half-way between core and surface [Pa]."""
-        return self.roll.mid_pressure
-
-    @property
-    def least_hoop_stress(
-        self,
-    ) -> Annotated[float, stress("sigma_min", "minimum hoop (MD) stress, < 0: compression")]:
-        """Smallest sigma_t of the finished roll [Pa]."""
-        return self.roll.least_hoop_stress
-
-    @property
-    def bore_hoop_stress(
-        self,
-    ) -> Annotated[float, stress("sigma_b", "hoop (MD) stress at the bore, > 0: tension")]:
-        """sigma_t of the innermost layer of the finished roll [Pa]."""
-        return self.roll.bore_hoop_stress
-
-    @property
-    def bore_displacement(
-        self,
-    ) -> Annotated[float, length("u_b", "change of the radius of the bore since winding", "um")]:
-        """Outward displacement of the innermost layer since it was wound [m]."""
-        return self.roll.bore_displacement
-
-    @property
-    def core_gap(
-        self,
-    ) -> Annotated[float, length("g_c", "gap between the core and the roll", "um")]:
-        """Radial gap between core and roll, zero if they touch [m]; nan if the core is removed."""
-        return self.roll.core_gap
-
-    @property
-    def separation_radius(
-        self,
-    ) -> Annotated[float, length("r_s", "outer radius of the open layers")]:
-        """Largest radius at which the layers have separated [m]; nan if none have."""
-        return self.roll.separation_radius
-
-    @property
-    def sliding_collapse_load(self) -> Annotated[float, SLIDING]:
-        """Pressure on the inner layers over their buckling pressure [1]; see the roll's."""
-        return self.roll.sliding_collapse_load
-
-    @property
-    def bonded_collapse_load(self) -> Annotated[float, BONDED]:
-        """Pressure on the inner layers over their buckling pressure [1]; see the roll's."""
-        return self.roll.bonded_collapse_load
-
-    @property
-    def length(
-        self,
-    ) -> Annotated[float, length("L", "length of web, counted in layers without pressure", "m")]:
-        """Length of web on the roll, of layers without pressure [m]."""
-        return self.roll.length
-
-    @property
-    def wound_length(
-        self,
-    ) -> Annotated[float, length("L_w", "length of web, its layers compressed as wound", "m")]:
-        """Length of web on the roll, of layers compressed as wound [m]."""
-        return self.roll.wound_length
-
-    @property
-    def mass(
-        self,
-    ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per width")]:
-        """Mass of the web per metre of width [kg/m]; nan if its density is not given."""
-        return self.roll.mass
-
-    @property
-    def running_core_pressure(
-        self,
-    ) -> Annotated[float, stress("P_c,V", "pressure of the running roll on the core")]:
-        """P of the finished roll at the core while it runs [Pa]; nan without centrifugal force."""
-        return self.roll.running_core_pressure
-
-    @property
-    def centrifugal_tension(
-        self,
-    ) -> Annotated[float, line_load("m V^2", "part of the tension taken by centrifugal force")]:
-        """m V^2, by which the running web presses less [N/m]; nan without speed or density."""
-        return self.problem.centrifugal_tension or float("nan")
 
     def certified(self) -> Residuals:
         """Compute the residuals from problem and arrays."""

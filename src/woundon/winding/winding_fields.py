@@ -11,7 +11,7 @@ from ..problems.winding import WindingProblem
 from ..quantities import length, line_load, pure, share, stress
 from ..results import Result
 from ..roll.lane_roll import LaneRoll, WithLanes
-from ..roll.result import RollResult
+from ..roll.result import RollResult, WithRoll
 from .bodies import NipSample
 from .drives import Drive
 from .drum_nips import DrumNips
@@ -23,7 +23,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class WindingFields(WithLanes, Result):
+class WindingFields(WithRoll, WithLanes, Result):
     """The fields of a :class:`.WindingResult`, which describes them, and its wound roll.
 
     They are what the functions of its outputs use.  The result imports these functions, so that
