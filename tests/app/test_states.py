@@ -268,6 +268,7 @@ def test_find_has_the_solutions_of_python(client, cases):
     result = wo.find(wo.RollerProblem.example(), "load", nip_width="4 mm")
     assert [one["value"] for one in found["solutions"]] == [value for value, _ in result.solutions]
     assert found["values"] == result.values.tolist()
+    assert found["unconfirmed"] == []
 
 
 @pytest.mark.parametrize(

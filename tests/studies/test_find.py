@@ -222,6 +222,24 @@ def test_a_scan_without_any_solution_says_why(curves):
         wo.find(problem.replace(shape="line"), "position", nothing=0.0)
 
 
+@pytest.mark.parametrize(
+    ("shape", "reason"),
+    [("guessed", "not converged: the iteration did not converge"), ("branched", "height = -3")],
+)
+def test_a_solution_that_only_a_neighbour_leads_to_is_said_to_be_one(curves, shape, reason):
+    problem = curves.CurveProblem(shape=shape)
+    found = wo.find(problem, "position", height=3.0, between=(0.5, 4.0))
+    assert found.value == pytest.approx(3.0, rel=1e-6)
+    assert found.unconfirmed == ((found.value, reason),)
+    expected = "position = 3 m is solved only from the result for a neighbouring value; without it"
+    assert f"{expected}: {reason}" in str(found)
+    assert json.loads(found.to_json())["unconfirmed"] == [[found.value, reason]]
+    # below 2 m the solver needs no neighbour
+    confirmed = wo.find(problem, "position", height=1.7, between=(0.5, 4.0))
+    assert confirmed.unconfirmed == ()
+    assert "neighbouring value" not in str(confirmed)
+
+
 # ---- output -------------------------------------------------------------------------------------
 
 

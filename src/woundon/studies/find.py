@@ -78,6 +78,9 @@ class FindResult(Outcome):
         The points that were not solved, e.g. because no steady state exists.
     jumps : tuple of (low, high)
         Intervals in which the output jumps across the target without taking its value.
+    unconfirmed : tuple of (value, reason)
+        Solutions that are solved only from the result for a neighbouring value, and what the solver
+        gives without it.
     quantities : mapping of str to Quantity
         Of the field and the output.
 
@@ -101,6 +104,7 @@ class FindResult(Outcome):
     outputs: Array
     failures: tuple[tuple[float, str], ...] = ()
     jumps: tuple[tuple[float, float], ...] = ()
+    unconfirmed: tuple[tuple[float, str], ...] = ()
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
 
     @property
@@ -158,6 +162,10 @@ class FindResult(Outcome):
         for low, _ in self.jumps:
             place = f"{self.name} = {self._text(self.name, low)}"
             texts.append(f"{self.output} jumps across the target at {place}")
+        for value, reason in self.unconfirmed:
+            place = f"{self.name} = {self._text(self.name, value)}"
+            text = f"{place} is solved only from the result for a neighbouring value; without it"
+            texts.append(f"{text}: {in_chosen_units(reason)}")
         return texts
 
     def _text(self, name: str, value: float, form: str = ".6g") -> str:
@@ -210,6 +218,7 @@ class FindResult(Outcome):
             "scan": np.column_stack([self.values, self.outputs]),  # a row for each point
             "failures": self.failures,
             "jumps": self.jumps,
+            "unconfirmed": self.unconfirmed,
         }
 
 
@@ -297,6 +306,7 @@ def find(
         if not roots:
             search.refine_range()
             roots = search.solutions()
+        differences = [(sample.value, search.difference(sample)) for sample in roots]
     slopes = np.array([_slope(search, sample) for sample in roots])
     errors = np.array([search.error(sample) for sample in roots])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -314,6 +324,7 @@ def find(
         outputs=np.array([sample.output for sample in search.samples]),
         failures=tuple((s.value, s.failure) for s in search.samples if s.failure),
         jumps=tuple(search.jumps),
+        unconfirmed=tuple((value, text) for value, text in differences if text),
         quantities=quantities,
     )
     if not roots:

@@ -99,6 +99,7 @@ export const T = {
     title: "Find the value of a field for which an output reaches a target",
     field: "Find", output: "such that", target: "equals", mark: "target", run: "Find", busy: "searching", take: "Use this value",
     several: (n) => `${n} values give the target.`, failed: (n) => `${n} points of the search have no solution.`,
+    unconfirmed: (value, reason) => `${value} is solved only from the result for a neighbouring value; without it: ${reason}`,
   },
   fit: {
     title: "Fit to measured values", about: "Estimates unknown inputs of the case from your measured values, such as a friction coefficient from wound-on tensions.",
