@@ -170,7 +170,8 @@ def checked_options(kind: kinds.Kind, options: Mapping[str, Any]) -> dict[str, A
         try:
             converted[name] = number_type(text)
         except (TypeError, ValueError):  # TypeError: of an option that is given twice
-            reason = f"must be a {'whole ' * (number_type is int)}number, got {quote(text)}"
+            must = f"must be a {'whole ' * (number_type is int)}number"
+            reason = f"{quote(text)} is out of place; {must}"
             raise InvalidProblem.at(name, reason) from None
     return converted
 
@@ -350,8 +351,8 @@ def find(
             "values": outcome.values,
             "outputs": outcome.outputs,
             "failures": _failures(outcome.failures),
-        }
             "unconfirmed": _failures(outcome.unconfirmed),
+        }
     )
 
 

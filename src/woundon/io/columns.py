@@ -112,7 +112,7 @@ class _Files(NamedTuple):
         file = self.folder / name_of_file
         columns = table.pop("columns", None)
         if columns is not None and not isinstance(columns, Mapping):
-            text = f"{quote(columns)} must be a table, {{'Header' = 'name [unit]'}}"
+            text = f"{quote(columns)} is out of place; must be a table, {{'Header' = 'name [unit]'}}"
             raise InvalidProblem.at(f"{path}.columns", text)
         read = self._log if key == "log" else self._lists
         lists = read(file, path, table, columns)

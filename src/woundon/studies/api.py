@@ -225,7 +225,7 @@ def range_in_si(problem: Problem, name: str, ends: Any, where: str = "") -> tupl
         for end in pair
     )
     if not -inf < low < high < inf:
-        raise InvalidProblem.at(where, f"{quote(ends)} is not a range: must be low < high")
+        raise InvalidProblem.at(where, f"{quote(ends)} is not a range; must be low < high")
     return low, high
 
 

@@ -343,7 +343,7 @@ def _scaled_to_range(name: str, ends: Any, fractions: Array) -> Array:
     low, high = numbers
     if not low < high or (is_log and low <= 0):
         positive = "0 < " if is_log else ""
-        raise InvalidProblem.at(name, f"{quote(ends)} is not a range: must be {positive}low < high")
+        raise InvalidProblem.at(name, f"{quote(ends)} is not a range; must be {positive}low < high")
     scaled = low * (high / low) ** fractions if is_log else low + (high - low) * fractions
     return np.asarray(scaled)
 
