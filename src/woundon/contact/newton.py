@@ -37,9 +37,9 @@ Array = np.ndarray
 # Iterations in addition to one for each traction node: where a web slips on the wrap of a rigid
 # drum, the zone boundary moves by one node in each.
 MAX_ITERATIONS = 60
-# An active set that returns more often cycles: then only the last violated node changes (Murty), and
-# only after a small step: where a contact nearly slides, violations of 1e-9 may be errors of a larger
-# step.  The error of a step is at most a tenth of it, the permitted violation below.
+# An active set that returns more often cycles: then only the last violated node changes (Murty),
+# and only after a small step: where a contact nearly slides, violations of 1e-9 may be errors of a
+# larger step.  The error of a step is at most a tenth of it, the permitted violation below.
 MOST_VISITS, SMALL_STEP = 2, 1e-9
 # A factorisation is reused as long as it gains a digit in each iteration.
 CONTRACTION = 0.1

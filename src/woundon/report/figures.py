@@ -60,17 +60,16 @@ COLOURS = {
 ZONE_COLOURS = {-1: COLOURS["amber"], 0: "#F0F0F0", 1: COLOURS["sky"]}
 ZONE_HATCHES = {-1: "\\\\\\\\", 0: "", 1: "////"}
 FORMULA = re.compile(r"\$([^$]*)\$")  # in a label
-MICROMETRES = re.compile(r"(?<=\d )um\b")  # in a label
+UNIT = re.compile(r"(?<=\d )[A-Za-z][A-Za-z0-9/*^.]*")  # after a number in a label, or a word
 # parts of units as they are printed, the power before the product
-_PRINTED = {
-    "um": "µm",
-    "m**0.5": "√m",
-    "^2": "²",
-    "^3": "³",
-    "*": "·",
-    "degC": "°C",
-    "degF": "°F",
-}
+_PRINTED = (
+    (r"\bum\b", "µm"),
+    (r"\bm\*\*0\.5", "√m"),
+    (r"\^2\b", "²"),
+    (r"\^3\b", "³"),
+    (r"\*", "·"),
+    (r"\bdeg([CF])\b", r"°\1"),
+)
 WORD = re.compile(r"[A-Za-z]+\d*(?:_\w+)?[+-]?")  # a symbol in a formula
 
 _STYLE: Any = {
@@ -204,8 +203,8 @@ def printed_unit(unit: str) -> str:
     >>> printed_unit("um"), printed_unit("kg*m^2"), printed_unit("Pa/m**0.5"), printed_unit("degF")
     ('µm', 'kg·m²', 'Pa/√m', '°F')
     """
-    for written, printed in _PRINTED.items():
-        unit = unit.replace(written, printed)
+    for written, printed in _PRINTED:
+        unit = re.sub(written, printed, unit)
     return unit
 
 
@@ -226,18 +225,21 @@ def named_value(path: str, quantity: Quantity | None, value: object) -> str:
 def axis_label(axis: Axis, width: int = 60) -> str:
     """Return "label [unit]", words wrapped to a number of characters per line."""
     unit = unit_of(axis.quantity) if axis.quantity else ""
-    words = formulas(axis.label) if "$" in axis.label else wrapped_text(axis.label, width)
+    label = formulas(axis.label)
+    words = label if "$" in label else wrapped_text(label, width)
     return f"{words} [{unit}]".lstrip() if unit else words
 
 
 def formulas(label: str) -> str:
-    r"""Return a label with its formulas as figures write them.
+    r"""Return a label with its formulas and the units after numbers as figures write them.
 
     >>> formulas("Pressure $p$"), formulas("$|q+|/mu+$")
     ('Pressure $p$', '$|q^{+}|/\\mu^{+}$')
+    >>> formulas("temperature change -36 degF"), formulas("scale: 5 um, 2 kg/m^3")
+    ('temperature change -36 °F', 'scale: 5 µm, 2 kg/m³')
     """
     words = FORMULA.sub(lambda formula: f"${_in_tex(formula[1])}$", label)
-    return MICROMETRES.sub("µm", words)
+    return UNIT.sub(lambda unit: printed_unit(unit[0]), words)
 
 
 def _in_tex(formula: str) -> str:
