@@ -21,7 +21,7 @@ from ..errors import InvalidProblem, NoSolution, NotConverged, warn
 from ..problems.inputs import Inputs, read_number
 from ..problems.messages import quote
 from ..problems.paths import find_places, varied_value
-from ..problems.permitted import ValuesWithin, admissible, admits, extremes
+from ..problems.permitted import SearchedWithin, ValuesWithin, admissible, admits, extremes
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units
 from ..results import Result
@@ -41,7 +41,8 @@ __all__ = ["FindResult", "Solution", "find"]
 Array = np.ndarray
 
 # A search extends to so many times the usual changes of a finished roll: 200 K, beyond all
-# temperatures of paper and film.  The permitted 1000 K bound numbers, not temperatures.
+# temperatures of paper and film.  The permitted 1000 K bound numbers, not temperatures.  The same
+# for the thickness of a profile: 20 %, where half to one and a half of the mean are permitted.
 LARGEST_CHANGE = 5.0
 POINTS = 17  # of the scan: a factor of 1.33 between neighbours over two decades
 
@@ -249,7 +250,7 @@ def find(
         both sides of the present value, together with the range that is usual in practice; if it
         contains no solution, it is extended as far as the field permits while the output
         approaches the target; for changes of temperature and moisture to five times the usual
-        range, 200 K and 0.25.
+        range, 200 K and 0.25; a thickness of a profile is searched within 4 %, at most 20 %.
     points : int
         Points of the scan, 3 to 1000.  Two solutions between neighbouring points are found only
         if the output shows a minimum or a maximum there.
@@ -373,6 +374,13 @@ def _interval(
                 text = f"{quote(end)} is out of range; must be {admissible(info)}"
                 raise InvalidProblem.at(where, text)
         return Interval(low, high, (lowest, highest), may_grow=False)
+    near = next((part for part in info.metadata if isinstance(part, SearchedWithin)), None)
+    if near is not None and base:
+        change = near.share * abs(base)
+        lowest = max(lowest, base - LARGEST_CHANGE * change)
+        highest = min(highest, base + LARGEST_CHANGE * change)
+        low, high = max(base - change, lowest), min(base + change, highest)
+        return Interval(low, high, (lowest, highest), may_grow=True)
     if quantity.typical and any(isinstance(part, ValuesWithin) for part in info.metadata):
         largest = max(LARGEST_CHANGE * max(map(abs, quantity.typical)), 2 * abs(base or 0.0))
         lowest, highest = max(lowest, -largest), min(highest, largest)
