@@ -47,6 +47,15 @@ def process() -> Iterator[Any]:
 
 
 @pytest.fixture(autouse=True)
+def _registries() -> Iterator[None]:
+    """Forget the kinds and commands that a test has registered: other tests list them."""
+    from registries import registries_kept
+
+    with registries_kept():
+        yield
+
+
+@pytest.fixture(autouse=True)
 def _closed_figures() -> Iterator[None]:
     """Close the figures that a test has drawn and not saved: they are pyplot's."""
     yield

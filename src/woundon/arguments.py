@@ -87,7 +87,7 @@ def _in_range(
     are rejected.
     """
     if isinstance(value, bool) or not isinstance(value, types) or not low <= value <= high:
-        raise InvalidProblem.at(name, f"{quote(value)} is out of range: must be {must}")
+        raise InvalidProblem.at(name, f"{quote(value)} is out of range; must be {must}")
     return value
 
 

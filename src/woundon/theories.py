@@ -240,7 +240,7 @@ def dual_slip(problem: NipProblem, dual_slip_ratio: ArrayLike) -> Array:
     s_d = np.asarray(dual_slip_ratio, dtype=float)
     s = np.abs(s_d)
     if np.any(s > 1) or np.any(np.isnan(s)):
-        text = f"{dual_slip_ratio!r} is out of range: must be in [-1, 1] [1]"
+        text = f"{dual_slip_ratio!r} is out of range; must be in [-1, 1] [1]"
         raise InvalidProblem.at("dual_slip_ratio", text)
     # arccos(1-2s) = 2 arcsin(sqrt s) keeps the small-s limit accurate
     load_share = (2 * np.arcsin(np.sqrt(s)) - 2 * (1 - 2 * s) * np.sqrt(s * (1 - s))) / pi
@@ -376,8 +376,8 @@ def _similar(problem: RollerProblem) -> _Pair:
     """Return the combined coefficients of elastically similar rollers; reject others."""
     pair = _pair(problem)
     if abs(pair.D) > 1e-9 * pair.C:
-        mismatch = f"(A1 - A2)/(C1 + C2) = {pair.D / pair.C:.3g}, must be 0"
-        raise InvalidProblem.at("lower", f"not elastically similar to upper: {mismatch}")
+        mismatch = f"(A1 - A2)/(C1 + C2) = {pair.D / pair.C:.3g}; must be 0"
+        raise InvalidProblem.at("lower", f"is not elastically similar to upper, {mismatch}")
     if not problem.friction:
         text = "0 is out of range; must be > 0: nothing sticks, use hertz"
         raise InvalidProblem.at("friction", text)

@@ -56,7 +56,7 @@ def test_options_of_the_solver_come_with_the_address(client, cases):
     refused = client.post("/api/solve?knots=41", json=cases["nip"]).json()
     assert refused["errors"][0]["field"] == "knots"
     refused = client.post("/api/solve?nodes=many", json=cases["nip"]).json()
-    assert refused["detail"] == "nodes: must be a whole number, got 'many'"
+    assert refused["detail"] == "nodes: 'many' is out of place; must be a whole number"
 
 
 def test_a_warm_state_is_that_of_few_nodes_and_agrees_with_a_cold_one(client, cases):
@@ -269,6 +269,7 @@ def test_find_has_the_solutions_of_python(client, cases):
     result = wo.find(wo.RollerProblem.example(), "load", nip_width="4 mm")
     assert [one["value"] for one in found["solutions"]] == [value for value, _ in result.solutions]
     assert found["values"] == result.values.tolist()
+    assert found["unconfirmed"] == []
 
 
 @pytest.mark.parametrize(

@@ -149,6 +149,23 @@ def test_equilibrium_and_the_bounds_of_the_added_tension(problem: wo.NipProblem)
     assert result.outlet_tension == pytest.approx(T_in + NIT, abs=1e-10 * P)
 
 
+@pytest.mark.parametrize("share", [0.3, -0.12])
+@pytest.mark.parametrize("distance", [1e-9, 1e-10, 3e-11, 1e-12])
+def test_a_drum_that_nearly_slides_is_solved_and_continuous(share: float, distance: float) -> None:
+    """Up to the friction capacity, F = mu- P (1 - distance), without a neighbour's solution.
+
+    The last node that sticks carries less than the rounding error of its neighbours' friction.
+    """
+    nip = wo.NipProblem.example().replace(web_tension=2000.0, drum_friction=abs(share))
+    limit = nip.nip_load * share
+    results = [wo.solve(nip.replace(winding_force=limit * (1 - d)), nodes=33)
+               for d in (1e-7, distance)]  # fmt: skip
+    for output in ("half_width", "wound_on_tension", "drum_creepage", "offset"):
+        one, other = (getattr(result, output) for result in results)
+        assert other == pytest.approx(one, rel=1e-5), output
+    assert results[1].residuals.largest <= 1e-8
+
+
 # ---- the winding theorem ------------------------------------------------------------------------
 
 

@@ -24,7 +24,9 @@ class CurveProblem(Problem):
 
     position: Annotated[Number, length("x", "position", "m"), Field(ge=-10, le=10)] = 1.0
     scale: Annotated[Number, pure("s", "scale of the height"), Field(gt=0, le=1e6)] = 1.0
-    shape: Literal["cubic", "dip", "step", "limit", "hole", "nowhere", "stuck", "line"] = "line"
+    shape: Literal[
+        "cubic", "dip", "step", "limit", "hole", "nowhere", "stuck", "line", "guessed", "branched"
+    ] = "line"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -49,6 +51,9 @@ def solve_curve(problem: CurveProblem, *, start: CurveResult | None = None) -> C
         raise NoSteadyState.at("position", "there is no steady state")
     if problem.shape == "stuck":
         raise NotConverged("the iteration did not converge")
+    if problem.shape == "guessed" and start is None and x > 2:
+        raise NotConverged("the iteration did not converge")
+    is_other_branch = problem.shape == "branched" and start is None and x > 2
     height = {
         "cubic": x**3 - x,
         "dip": (x - DIP) ** 2,
@@ -56,6 +61,8 @@ def solve_curve(problem: CurveProblem, *, start: CurveResult | None = None) -> C
         "limit": sqrt(max(LIMIT - x, 0.0)),
         "hole": x - 1.0,
         "line": x,
+        "guessed": x,
+        "branched": -x if is_other_branch else x,
     }[problem.shape]
     return CurveResult(
         problem=problem, height=problem.scale * height,

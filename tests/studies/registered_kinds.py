@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from types import ModuleType
 
-from woundon import kinds
+from registries import registries_kept
 
 __all__ = ["registered"]
 
@@ -16,8 +16,6 @@ __all__ = ["registered"]
 @contextmanager
 def registered(module: str) -> Iterator[ModuleType]:
     """Import a module, which registers a kind; forget both at the end."""
-    before = dict(kinds._KINDS)
-    yield import_module(module)
-    kinds._KINDS.clear()
-    kinds._KINDS.update(before)
+    with registries_kept():
+        yield import_module(module)
     del sys.modules[module]

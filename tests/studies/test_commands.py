@@ -104,13 +104,19 @@ def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
     ("options", "says"),
     [
         (["--vary", "roll.material.sheer"], "did you mean 'shear'"),
-        (["--vary", "roll.material.shear=1"], "'1': must be written FIELD=LOW:HIGH"),
+        (
+            ["--vary", "roll.material.shear=1"],
+            "'1' is out of place; must be written FIELD=LOW:HIGH",
+        ),
         (["--vary", "roll.material.shear=1 mm:2 mm"], "mm"),
         (["--vary", "roll_friction", "--tie", "web.material"], "must be written FIELD=FIELD"),
         (["--vary", "roll_friction", "--column", "WOT=half_width"], "has no column 'WOT'"),
         (["--vary", "roll_friction", "--plot", "fit.bmp"], "bmp"),
         (["--vary", "roll_friction", "--plot", "no/fit.png"], "the folder 'no' does not exist"),
-        (["--vary", "roll_friction", "--save", "fit.txt"], "the ending '.txt' must be .json"),
+        (
+            ["--vary", "roll_friction", "--save", "fit.txt"],
+            "the ending '.txt' is not permitted; must be .json",
+        ),
         (["--vary", "roll.material.shear=-5 MPa:5 MPa"], "shear: -5000000 is out of range"),
         (
             ["--vary", "roll_friction", "--tie", "roll_friction=drum_friction"],

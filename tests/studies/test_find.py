@@ -135,6 +135,27 @@ def test_the_limit_where_a_coil_leaves_its_core():
     assert no.value.reachable == pytest.approx((0.0, wound), abs=10.0)
 
 
+PROFILE = wo.ThicknessProfile(position=[0.0, 0.5, 1.0, 1.5], thickness=[1.0, 1.01, 0.99, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "low", "high"),
+    [
+        ("thickness_profile.variation", 1.4, 0.0, 6.0),
+        slow_case("thickness_profile.thickness.1", 1.02, 1.01 * 0.8, 1.01 * 1.2),
+    ],
+)
+def test_a_profile_is_searched_near_its_values(name: str, value: float, low: float, high: float):
+    """Round trip.  Lanes of the thinnest and the thickest permitted web take half an hour."""
+    roll = wo.RollProblem.example().replace(thickness_profile=PROFILE)
+    rough = {"rtol": 0.05, "lanes": 6}
+    worst = wo.solve(roll.replace(**{name: value}), **rough).worst_lane.pressure
+    found = wo.find(roll, name, points=5, options=rough, **{"worst_lane.pressure": worst})
+    assert found.value == pytest.approx(value, rel=1e-6)
+    assert low <= found.values.min() < found.values.max() <= high
+    assert not found.failures
+
+
 # ---- curves with known zeros --------------------------------------------------------------------
 
 
@@ -220,6 +241,24 @@ def test_a_scan_without_any_solution_says_why(curves):
         wo.find(problem.replace(shape="stuck"), "position", height=0.0)
     with pytest.raises(wo.NoSolution, match="nothing is nan"):
         wo.find(problem.replace(shape="line"), "position", nothing=0.0)
+
+
+@pytest.mark.parametrize(
+    ("shape", "reason"),
+    [("guessed", "not converged: the iteration did not converge"), ("branched", "height = -3")],
+)
+def test_a_solution_that_only_a_neighbour_leads_to_is_said_to_be_one(curves, shape, reason):
+    problem = curves.CurveProblem(shape=shape)
+    found = wo.find(problem, "position", height=3.0, between=(0.5, 4.0))
+    assert found.value == pytest.approx(3.0, rel=1e-6)
+    assert found.unconfirmed == ((found.value, reason),)
+    expected = "position = 3 m is solved only from the result for a neighbouring value; without it"
+    assert f"{expected}: {reason}" in str(found)
+    assert json.loads(found.to_json())["unconfirmed"] == [[found.value, reason]]
+    # below 2 m the solver needs no neighbour
+    confirmed = wo.find(problem, "position", height=1.7, between=(0.5, 4.0))
+    assert confirmed.unconfirmed == ()
+    assert "neighbouring value" not in str(confirmed)
 
 
 # ---- output -------------------------------------------------------------------------------------

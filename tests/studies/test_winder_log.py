@@ -272,7 +272,7 @@ def test_a_case_file_takes_a_field_from_a_log(tmp_path: Path):
 @pytest.mark.parametrize("bins", ["50", [1, 2], 2.5, 1, 1001, True])
 def test_the_number_of_bins_is_checked(tmp_path: Path, bins):
     radius = growing(2000)
-    text = r"bins: .* is out of range: must be a whole number, 2 to 1000"
+    text = r"bins: .* is out of range; must be a whole number, 2 to 1000"
     with pytest.raises(InvalidProblem, match=f"^{text}"):
         wo.read_log({"radius": radius, "web_tension": tension(radius)}, WINDING, bins=bins)
     written(tmp_path / "winder.csv", {"radius [m]": radius, "web_tension [N/m]": tension(radius)})

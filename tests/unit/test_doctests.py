@@ -7,9 +7,11 @@ import importlib
 from pathlib import Path
 
 import pytest
+from registries import registries_kept
 from slow_cases import slow_case
 
 import woundon
+from woundon import plugins
 
 
 def modules_with_examples() -> list[str]:
@@ -26,6 +28,15 @@ def modules_with_examples() -> list[str]:
 def test_examples_of_a_module(name: str) -> None:
     result = doctest.testmod(importlib.import_module(name), verbose=False)
     assert result.failed == 0
+
+
+def test_what_an_example_registers_is_forgotten() -> None:
+    """The lists of commands in other tests do not depend on the examples before them."""
+    before = dict(plugins.commands())
+    with registries_kept():
+        doctest.testmod(plugins)
+        assert {*plugins.commands()} - {*before} == {"basis-weight", "greet"}
+    assert plugins.commands() == before
 
 
 @pytest.mark.parametrize("name", woundon.__all__)

@@ -18,6 +18,8 @@ from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon.io.case_files import template
+from woundon.report.figures import axis_label, formulas
+from woundon.report.panels import Axis
 
 NODES = 17
 SOURCE = Path(wo.__file__).parents[1]
@@ -196,3 +198,19 @@ def test_results_share_the_panels_they_have_in_common(nips) -> None:
     assert names(wo.plot([rollers, static], panels="tractions").legends[0]) == [
         "motion = rolling", "motion = static",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("label", "printed"),
+    [
+        ("temperature change -36 degF", "temperature change -36 °F"),
+        ("from 20 degC to 40 degC", "from 20 °C to 40 °C"),
+        ("scale: 5 um", "scale: 5 µm"),
+        ("inertia 3 kg*m^2, density 40 lb/ft^3", "inertia 3 kg·m², density 40 lb/ft³"),
+        ("slope 2 Pa/m**0.5", "slope 2 Pa/√m"),
+        ("3 aluminium drums, degF", "3 aluminium drums, degF"),  # no units
+    ],
+)
+def test_units_within_words_are_printed_as_on_axes(label: str, printed: str) -> None:
+    assert formulas(label) == printed
+    assert axis_label(Axis(label)) == printed

@@ -16,6 +16,7 @@ from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import kinds, quantities
+from woundon.io.chosen_units import units_of
 from woundon.report.figures import unit_of
 from woundon.report.html import unit_html
 from woundon.report.html_report import _inputs, _is_omitted, report_file
@@ -227,6 +228,19 @@ def test_the_sensitivities_of_rollers_are_printed_too():
     # p0 varies as sqrt(P/R), and 1/R = 1/R1 + 1/R2 with equal radii
     assert "load 89000 N/m +0.5000" in table
     assert "upper.radius 250 mm -0.2500" in table
+
+
+def test_the_derivatives_of_a_roll_are_printed_in_the_chosen_units():
+    """Its fields are those of neither nips nor rollers; changes of temperature are in degF."""
+    roll = wo.RollProblem.example().replace(radial_expansion=1e-4, temperature_change=-20.0)
+    found = wo.derivatives(wo.solve(roll, rtol=0.1), "temperature_change", "radial_expansion")
+    assert "temperature_change        -20 K " in str(found)
+    with units_of(["mill"]):
+        assert "temperature_change        -36 degF " in str(found)
+        html = found._repr_html_()
+    assert ">-36 °F<" in html
+    assert ">5.5556e-05 1/°F<" in html
+    assert "<i>&sigma;</i><sub>min</sub>" in html
 
 
 # ---- on a terminal -------------------------------------------------------------------------------

@@ -320,8 +320,7 @@ class SpringResult(wo.Result):
 
 
 @pytest.fixture
-def springs(monkeypatch) -> SpringResult:
-    monkeypatch.setattr(kinds, "_KINDS", dict(kinds._KINDS))
+def springs() -> SpringResult:
     kinds.register(SpringProblem, lambda problem: None, SpringResult)
     return SpringResult(
         problem=SpringProblem(load=6.0), place=np.arange(3.0), push=np.array([1.0, 2.0, 3.0]),

@@ -520,3 +520,25 @@ def test_a_loaded_winding_has_lanes(winding, tmp_path):
 def test_an_oscillation_without_a_profile_has_no_effect_and_says_so(kind):
     problem = kind.example().replace(oscillation=0.1)
     assert problem.input_warnings == ("oscillation = 0.1 m is not used: there is no profile",)
+
+
+# ---- progress -----------------------------------------------------------------------------------
+
+
+def test_the_lanes_of_a_roll_report_their_progress_and_stop_where_it_raises():
+    band = wo.ThicknessProfile(position=[0.0, 1.0, 2.0], thickness=[1.0, 1.02, 1.0])
+    roll = wo.RollProblem.example().replace(thickness_profile=band)
+    seen: list[float] = []
+    wo.solve(roll, rtol=0.05, lanes=4, progress=seen.append)
+    assert seen == sorted(seen)
+    assert seen[-1] == 1.0
+    of_lanes = [done for done in seen if 0.15 < done < 1.0]  # the mean web takes 15 %
+    assert len(of_lanes) > 20
+    assert max(np.diff(of_lanes)) < 0.3
+
+    def stop(done: float) -> None:
+        if done > 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        wo.solve(roll, rtol=0.05, lanes=4, progress=stop)

@@ -169,7 +169,8 @@ def checked_options(kind: kinds.Kind, options: Mapping[str, Any]) -> dict[str, A
         try:
             converted[name] = number_type(text)
         except (TypeError, ValueError):  # TypeError: of an option that is given twice
-            reason = f"must be a {'whole ' * (number_type is int)}number, got {quote(text)}"
+            must = f"must be a {'whole ' * (number_type is int)}number"
+            reason = f"{quote(text)} is out of place; {must}"
             raise InvalidProblem.at(name, reason) from None
     return converted
 
@@ -325,7 +326,8 @@ def find(
 ) -> bytes:
     """Return the values of a field for which an output reaches a target, as JSON.
 
-    ``solutions`` are in ascending order; ``values`` and ``outputs`` are the points of the search.
+    ``solutions`` are in ascending order; ``values`` and ``outputs`` are the points of the search;
+    ``unconfirmed`` are solutions that only the result for a neighbouring value leads to.
     """
     problem = problem_of(tables)
     if output not in (known := measurable_outputs(problem)):
@@ -348,12 +350,13 @@ def find(
             "values": outcome.values,
             "outputs": outcome.outputs,
             "failures": _failures(outcome.failures),
+            "unconfirmed": _failures(outcome.unconfirmed),
         }
     )
 
 
 def _failures(reasons: Iterable[tuple[float, str]]) -> list[dict[str, Any]]:
-    """Return the values of a field that were not solved, which have a reason, for JSON."""
+    """Return the values of a field that were not solved or confirmed, with the reason, for JSON."""
     return [{"value": value, "why": reason} for value, reason in reasons if reason]
 
 

@@ -99,7 +99,7 @@ class Pair(click.ParamType):
         """Split the text at its last equals sign; the header of a column may have others."""
         name, sign, right = (part.strip() for part in value.rpartition("="))
         if not (sign and name and (right or self.optional)):
-            self.fail(f"{value!r}: must be written {self.name}", param, ctx)
+            self.fail(f"{value!r} is out of place; must be written {self.name}", param, ctx)
         return name, self.value(right) if right else None
 
 
@@ -121,7 +121,7 @@ class Numbers(click.ParamType):
         """Split the text at its colons."""
         parts = [part.strip() for part in value.split(":")]
         if len(parts) not in self.counts or not all(parts):
-            self.fail(f"{value!r}: must be written {self.name}", param, ctx)
+            self.fail(f"{value!r} is out of place; must be written {self.name}", param, ctx)
         return [as_number(part) for part in parts]
 
 
@@ -189,7 +189,7 @@ class OutputFile(click.Path):
         """
         path = Path(value)
         if self.endings and path.suffix not in self.endings:
-            text = f"the ending {path.suffix!r} must be {self.endings[0]}"
+            text = f"the ending {path.suffix!r} is not permitted; must be {self.endings[0]}"
             raise InvalidProblem.at(str(path), text)
         if self.check is not None:
             self.check(path)

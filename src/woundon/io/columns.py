@@ -112,8 +112,8 @@ class _Files(NamedTuple):
         file = self.folder / name_of_file
         columns = table.pop("columns", None)
         if columns is not None and not isinstance(columns, Mapping):
-            text = f"{quote(columns)} must be a table, {{'Header' = 'name [unit]'}}"
-            raise InvalidProblem.at(f"{path}.columns", text)
+            must = "must be a table, {'Header' = 'name [unit]'}"
+            raise InvalidProblem.at(f"{path}.columns", f"{quote(columns)} is out of place; {must}")
         read = self._log if key == "log" else self._lists
         lists = read(file, path, table, columns)
         for name in lists.keys() & table.keys():

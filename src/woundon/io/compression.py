@@ -323,7 +323,7 @@ def _chosen(
             raise InvalidProblem.at("branch", text)
         return parts[number - 1]
     if branch not in ("loading", "unloading"):
-        text = f"{quote(branch)} must be {one_of(['loading', 'unloading'])} or a number"
+        text = f"{quote(branch)} is unknown; must be {one_of(['loading', 'unloading'])} or a number"
         raise InvalidProblem.at("branch", f"{text}; {known}")
     rises = branch == "loading"
     candidates = [each for each in parts if each.rises == rises]

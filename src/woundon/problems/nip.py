@@ -113,7 +113,7 @@ def slack_on_drum(web_tension: float, centrifugal: float, place: str = "") -> In
         Where it is slack, with a space before it.
     """
     needed = f"{centrifugal:.6g} [N/m], its centrifugal force" if centrifugal else "0 [N/m]"
-    text = f"{web_tension:.6g}{place} is out of range: a web wrapped on the drum must be taut, > "
+    text = f"{web_tension:.6g}{place} is out of range; a web wrapped on the drum must be taut, > "
     return InvalidProblem.at("web_tension", text + needed)
 
 

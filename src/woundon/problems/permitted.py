@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Conditional",
+    "SearchedWithin",
     "ValuesWithin",
     "accepts_number",
     "admissible",
@@ -50,6 +51,16 @@ class ValuesWithin:
 
     ge: float
     le: float
+
+
+@dataclass(frozen=True)
+class SearchedWithin:
+    """Metadata of a field whose permitted values are no scale of a search: the usual change of it.
+
+    The change is relative to the present value.
+    """
+
+    share: float
 
 
 def requirement(field: FieldInfo) -> str:

@@ -23,6 +23,7 @@ from .fields import (
     default,
 )
 from .messages import quote
+from .permitted import SearchedWithin
 from .units import parse
 
 __all__ = [
@@ -39,6 +40,9 @@ Array = np.ndarray
 
 # Relative to the mean.  Webs vary by a few per cent; other values are errors of the table.
 THINNEST, THICKEST = 0.5, 1.5
+# Of a thickness, in a search.  A roll with a lane that is 35 % thicker than the others takes a
+# minute: nearly all lanes are slack, and become so within short stages.
+USUAL_CHANGE = 0.04
 THICKEST_WEB = 0.1  # [m]; a larger thickness is relative
 ROUNDING = 1e-12  # relative thickness
 MOST_LANES = 10_000  # as many as a profile has positions at most
@@ -125,16 +129,19 @@ class ThicknessProfile(Description):
     thickness: Annotated[
         Numbers,
         Quantity("h_y", "m", "thickness at these positions", "um", other_form="basis weight"),
+        SearchedWithin(USUAL_CHANGE),
         Field(min_length=2, max_length=10_000),
     ] = Field(...)
     variation: Annotated[
         Number,
         pure("k_h", "factor of the variation of the thickness", (0.0, 2.0)),
+        SearchedWithin(1.0),
         Field(ge=0, le=10),
     ] = default(1.0)
     slack: Annotated[
         OptionalNumbers,
         share("b", "additional length of the lanes there"),
+        SearchedWithin(1.0),
         Field(min_length=2, max_length=10_000),
     ] = default(None)
     spread: Annotated[

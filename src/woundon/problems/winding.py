@@ -535,7 +535,7 @@ class WindingProblem(FinishedRollProblem):
                 given = quote(getattr(schedule, schedule.field_of_law))
                 left = f"{quote(value)}{in_brackets(unit)} {at}"
                 must = f"must be >= {low:g} and <= {high:g}{in_brackets(unit)}"
-                text = f"{given} is out of range; leaves {left}, {must}"
+                text = f"{given} is out of range; leaves {left}; {must}"
                 yield f"{name}.{schedule.field_of_law}", text
 
     def _check_steady_state(self) -> None:

@@ -435,7 +435,7 @@ def _format_axis(
     if name == "x":
         lines.set_major_locator(MaxNLocator(min(9, int(length / TICK_WIDTH)), steps=STEPS))
     if axis.names:
-        names = [wrapped_text(each, NAME_WIDTH) for each in axis.names]
+        names = [wrapped_text(formulas(each), NAME_WIDTH) for each in axis.names]
         lines.set_ticks(range(len(names)), names)
         if name == "x":
             axes.tick_params(axis="x", rotation=20)

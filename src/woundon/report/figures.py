@@ -59,7 +59,7 @@ COLOURS = {
 ZONE_COLOURS = {-1: COLOURS["amber"], 0: "#F0F0F0", 1: COLOURS["sky"]}
 ZONE_HATCHES = {-1: "\\\\\\\\", 0: "", 1: "////"}
 FORMULA = re.compile(r"\$([^$]*)\$")  # in a label
-MICROMETRES = re.compile(r"(?<=\d )um\b")  # in a label
+UNIT = re.compile(r"(?<=\d )[A-Za-z][A-Za-z0-9/*^.]*")  # after a number in a label, or a word
 WORD = re.compile(r"[A-Za-z]+\d*(?:_\w+)?[+-]?")  # a symbol in a formula
 
 _STYLE: Any = {
@@ -204,18 +204,21 @@ def named_value(path: str, quantity: Quantity | None, value: object) -> str:
 def axis_label(axis: Axis, width: int = 60) -> str:
     """Return "label [unit]", words wrapped to a number of characters per line."""
     unit = unit_of(axis.quantity) if axis.quantity else ""
-    words = formulas(axis.label) if "$" in axis.label else wrapped_text(axis.label, width)
+    label = formulas(axis.label)
+    words = label if "$" in label else wrapped_text(label, width)
     return f"{words} [{unit}]".lstrip() if unit else words
 
 
 def formulas(label: str) -> str:
-    r"""Return a label with its formulas as figures write them.
+    r"""Return a label with its formulas and the units after numbers as figures write them.
 
     >>> formulas("Pressure $p$"), formulas("$|q+|/mu+$")
     ('Pressure $p$', '$|q^{+}|/\\mu^{+}$')
+    >>> formulas("temperature change -36 degF"), formulas("scale: 5 um, 2 kg/m^3")
+    ('temperature change -36 °F', 'scale: 5 µm, 2 kg/m³')
     """
     words = FORMULA.sub(lambda formula: f"${_in_tex(formula[1])}$", label)
-    return MICROMETRES.sub("µm", words)
+    return UNIT.sub(lambda unit: printed_unit(unit[0]), words)
 
 
 def _in_tex(formula: str) -> str:

@@ -97,10 +97,11 @@ def _symbol(word: str) -> str:
     return f"{factor}{letter}{subscript}{superscript}"
 
 
-# A symbol within words: "T_in", "mu+", "M2", "F"; not the article "A", units as in "2 N" and "N/m",
-# or names as "web_tension".
+# A symbol within words: "T_in", "sigma_b", "mu+", "M2", "F"; not the article "A", units as in "2 N"
+# and "N/m", or names as "web_tension".
 _LETTER = r"(?<!\d )[B-Z]\d?(?!\w|/[a-z])"
-_ONE = rf"(?:[A-Za-z]_\w{{1,3}}\b|(?:{'|'.join(sorted(GREEK))})\b[+-]?|{_LETTER})"
+_LETTERS = "|".join(sorted(GREEK))
+_ONE = rf"(?:(?:[A-Za-z]|{_LETTERS})_\w{{1,3}}\b|(?:{_LETTERS})\b[+-]?|{_LETTER})"
 _TERM = rf"-?{_ONE}(?:/{_ONE})?"
 # symbols on their own, or with operators between them: "WOT - T_in", "F = -M2/R2"
 _FORMULA = re.compile(rf"(?<![\w.'=/-])(?:(?:{_TERM}|WOT|NIT) [=+-] )*{_TERM}")
@@ -113,6 +114,8 @@ def label_html(text: str) -> str:
     'nip-induced tension, <span style="white-space:nowrap">WOT - <i>T</i><sub>in</sub></span>'
     >>> label_html("winding force, F = -M2/R2")[15:]
     '<span style="white-space:nowrap"><i>F</i> = -<i>M</i><sub>2</sub>/<i>R</i><sub>2</sub></span>'
+    >>> label_html("hoop stress, sigma_min")
+    'hoop stress, <i>&sigma;</i><sub>min</sub>'
     >>> label_html("acceleration = 0.5 m/s^2, inertia = 3 kg*m^2")
     'acceleration = 0.5 m/s², inertia = 3 kg·m²'
     """

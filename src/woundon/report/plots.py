@@ -136,7 +136,7 @@ def _labelled(results: Any, labels: Sequence[str] | None) -> tuple[list[Result],
         labels = _labels(all_results) if len(all_results) > 1 else [""]
     elif isinstance(labels, str) or len(labels) != len(all_results):
         raise InvalidProblem.at(
-            "labels", f"{quote(labels)} must be {len(all_results)}, one a result"
+            "labels", f"{quote(labels)} is out of place; must be {len(all_results)}, one a result"
         )
     return all_results, labels
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .. import kinds, quantities
-from ..problems.nip import NipProblem
-from ..problems.paths import quantity_of_field
-from ..problems.rollers import RollerProblem
+from ..problems.paths import find_places, quantity_of_field
+from ..problems.problem import Problem
 from .report_parts import Column, Line, Part, Table, TableRow
 
 if TYPE_CHECKING:
@@ -30,9 +30,7 @@ def sensitivity_parts(sensitivity: Sensitivity) -> list[Part]:
     outputs = [k for k, name in enumerate(ordered.outputs) if name != "half_width"]
     symbols = [Column(known[ordered.outputs[k]].symbol, "number") for k in outputs]
     elasticities = np.round(ordered.elasticities[outputs], 4) + 0.0  # without a minus zero
-    # nips and rollers have sensitivities; these do not state the class of the problem
-    heads = {name.partition(".")[0] for name in ordered.parameters}
-    problem = RollerProblem if heads <= RollerProblem.model_fields.keys() else NipProblem
+    problem = _problem_with(ordered.parameters)
     rows, undefined = [], []
     for name, field, values in zip(ordered.parameters, ordered.fields, elasticities.T, strict=True):
         quantity = quantity_of_field(problem, name)
@@ -50,3 +48,9 @@ def sensitivity_parts(sensitivity: Sensitivity) -> list[Part]:
         text = f"warning: at a zone change ({ordered.zone_change}): one-sided derivatives differ"
         parts.append(Line(text, "warning"))
     return parts
+
+
+def _problem_with(names: Sequence[str]) -> type[Problem]:
+    """Return a class of problems with some fields: sensitivities do not state that of theirs."""
+    classes = [kind.problem for kind in kinds.every()]
+    return next(each for each in classes if all(find_places(each, name) for name in names))

@@ -205,6 +205,7 @@ def wind_lanes(
     tolerance: float,
     cells: int,
     surface_layer: float,
+    report: Callable[[float], None] | None = None,
 ) -> LaneBuildUp:
     """Wind the lanes of a roll with the stages of the roll of the mean web, and further ones.
 
@@ -223,6 +224,8 @@ def wind_lanes(
         Cells of each stage.
     surface_layer : float
         Depth of the layer below the surface, in ln r.
+    report : callable, optional
+        Is called with each stage's mean radius [m].
 
     Raises
     ------
@@ -235,6 +238,8 @@ def wind_lanes(
     for number, known in enumerate(stages, start=1):
         target = float(known[0][-1])
         while roll.x < target:
+            if report is not None:
+                report(exp(roll.x))
             remaining = target - roll.x
             # two equal steps rather than a full and a tiny one
             length = remaining if step >= remaining else min(step, remaining / 2)

@@ -11,7 +11,7 @@ The published layer-by-layer scheme (Hakiel 1987) is available as ``theories.lay
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import inf, log, nan
 from typing import Annotated, Any, NamedTuple
 
@@ -53,9 +53,12 @@ from .validity import roll_warnings
 
 __all__ = [
     "LANES_OPTION",
+    "PASSES_OF_LANES",
+    "Report",
     "WoundRoll",
     "check_options",
     "lanes_of",
+    "pass_reporter",
     "solve_uncertified",
     "solve_wound_roll",
 ]
@@ -85,6 +88,8 @@ MAX_LEVELS = 12
 # Fractions of the work at the ends of the passes over the radius, for the reported progress: two
 # usually suffice, the second one on more nodes.
 PASSES = (0.0, 0.4, 0.9, 0.95, 0.975, 0.99)
+# The same for all lanes and half as many, and the share of the roll of the mean web before them.
+PASSES_OF_LANES, OF_MEAN_ROLL = (0.0, 0.7, 0.99), 0.15
 COARSE = 1e-2  # rtol reached by the second level; smaller values start at a finer level
 ESTIMATED = (
     "peak_pressure",
@@ -132,8 +137,44 @@ def solve_wound_roll(
     """
     check_type("problem", problem, RollProblem)
     check_options(rtol=rtol, lanes=lanes)
-    core, R = problem.core.radius, problem.radius
+    has_lanes = problem.thickness_profile is not None
+    of_roll = OF_MEAN_ROLL if has_lanes else 1.0
 
+    radii = problem.core.radius, problem.radius
+    roll = solve_uncertified(problem, rtol, pass_reporter(progress, radii, PASSES, end=of_roll))
+    if has_lanes:
+        # the stages of the lanes are those of a roll without the error of Newton's method
+        roll = roll.wound_with(problem)
+        report = pass_reporter(progress, radii, PASSES_OF_LANES, of_roll)
+        lane_roll = lanes_of(roll, problem, rtol, lanes, report=report)
+        result = roll.result.replace(lane_roll=lane_roll, lane_count=lanes)
+        roll = roll._replace(result=result)
+    result = roll.certified().warned()
+    if progress is not None:
+        progress(1.0)
+    return result
+
+
+def pass_reporter(
+    progress: Callable[[float], None] | None,
+    radii: tuple[float, float],
+    ends: Sequence[float],
+    begin: float = 0.0,
+    end: float = 1.0,
+) -> Report:
+    """Return the function that reports passes over the radius [m] as a part of the work.
+
+    Parameters
+    ----------
+    progress : callable or None
+        Is called with the fraction of the work; None for no report.
+    radii : (float, float)
+        Of the core and of the roll [m].
+    ends : sequence of float
+        Fractions of the part at the ends of the passes; further passes share the last one.
+    begin, end : float
+        Fractions of the work at the ends of the part.
+    """
     passes, last = 0, 0.0
 
     def report(radius: float) -> None:
@@ -142,21 +183,11 @@ def solve_wound_roll(
         passes += radius < last
         last = radius
         if progress is not None:
-            begin, end = PASSES[min(passes, len(PASSES) - 2) :][:2]  # further passes share the last
-            share = min(max((radius - core) / (R - core), 0.0), 1.0)
-            progress(begin + share * (end - begin))
+            first, following = ends[min(passes, len(ends) - 2) :][:2]
+            share = min(max((radius - radii[0]) / (radii[1] - radii[0]), 0.0), 1.0)
+            progress(begin + (first + share * (following - first)) * (end - begin))
 
-    roll = solve_uncertified(problem, rtol, report)
-    if problem.thickness_profile is not None:
-        # the stages of the lanes are those of a roll without the error of Newton's method
-        roll = roll.wound_with(problem)
-        lane_roll = lanes_of(roll, problem, rtol, lanes)
-        result = roll.result.replace(lane_roll=lane_roll, lane_count=lanes)
-        roll = roll._replace(result=result)
-    result = roll.certified().warned()
-    if progress is not None:
-        progress(1.0)
-    return result
+    return report
 
 
 class WoundRoll(NamedTuple):
@@ -249,6 +280,7 @@ def lanes_of(
     rtol: float,
     lanes: int,
     nips: NipsAcross | None = None,
+    report: Report | None = None,
 ) -> LaneRoll:
     """Return the lanes of a roll.
 
@@ -264,6 +296,8 @@ def lanes_of(
         Number of lanes.
     nips : NipsAcross, optional
         The nips of a winding.
+    report : callable, optional
+        As of :func:`.solve_lanes.solve_lanes`.
     """
     return solve_lanes(
         roll.result,
@@ -274,6 +308,7 @@ def lanes_of(
         tolerance=FIRST_TOLERANCE * TOLERANCE_FACTOR ** _first_level(rtol),
         count=lanes,
         nips=nips,
+        report=report,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from typing import Protocol
 
@@ -143,6 +143,7 @@ def solve_lanes(
     count: int,
     tolerance: float = TOLERANCE,
     nips: NipsAcross | None = None,
+    report: Callable[[float], None] | None = None,
 ) -> LaneRoll:
     """Solve for the lanes of a roll, and estimate the errors of their worst values.
 
@@ -169,6 +170,8 @@ def solve_lanes(
     tolerance : float
         Of the stages, relative to kappa + 2 and to the tension.
     nips : NipsAcross, optional
+    report : callable, optional
+        Is called with each stage's radius [m]: of all lanes, then of half as many.
 
     Raises
     ------
@@ -186,9 +189,10 @@ def solve_lanes(
     bent = (first, (first + last) / 2, last) if bends(problem) else ()
     extremes = profile.extremes(oscillation, bent)
     together = Lanes(*(np.concatenate(pair) for pair in zip(lanes, extremes, strict=True)))
-    solved = _solve(result, build_up, together, nips, tolerance)
+    solved = _solve(result, build_up, together, nips, tolerance, report)
     roll = solved.of_lanes(lanes)
-    coarse = _solve(result, build_up, profile.lanes(count // 2, oscillation), nips, tolerance)
+    half = profile.lanes(count // 2, oscillation)
+    coarse = _solve(result, build_up, half, nips, tolerance, report)
     _check_law(roll, result.problem.stack)
     of_mean = result.errors.get("peak_pressure", np.nan) / float(np.max(result.pressure))
     errors = {}
@@ -207,7 +211,12 @@ def solve_lanes(
 
 
 def _solve(
-    result: RollFields, build_up: BuildUp, lanes: Lanes, nips: NipsAcross | None, tolerance: float
+    result: RollFields,
+    build_up: BuildUp,
+    lanes: Lanes,
+    nips: NipsAcross | None,
+    tolerance: float,
+    report: Callable[[float], None] | None,
 ) -> LaneRoll:
     """Wind the lanes and apply the changes after winding; errors are not estimated.
 
@@ -230,6 +239,7 @@ def _solve(
             tolerance=tolerance,
             cells=_cells(result),
             surface_layer=surface_layer_depth(problem),
+            report=report,
         )
     except NotWoundError as stop:
         raise NotConverged(f"with lanes across the width {stop}") from None

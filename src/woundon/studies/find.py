@@ -21,7 +21,7 @@ from ..errors import InvalidProblem, NoSolution, NotConverged, warn
 from ..problems.inputs import Inputs, read_number
 from ..problems.messages import quote
 from ..problems.paths import find_places, varied_value
-from ..problems.permitted import ValuesWithin, extremes
+from ..problems.permitted import SearchedWithin, ValuesWithin, extremes
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units
 from ..results import Result
@@ -41,7 +41,8 @@ __all__ = ["FindResult", "Solution", "find"]
 Array = np.ndarray
 
 # A search extends to so many times the usual changes of a finished roll: 200 K, beyond all
-# temperatures of paper and film.  The permitted 1000 K bound numbers, not temperatures.
+# temperatures of paper and film.  The permitted 1000 K bound numbers, not temperatures.  The same
+# for the thickness of a profile: 20 %, where half to one and a half of the mean are permitted.
 LARGEST_CHANGE = 5.0
 POINTS = 17  # of the scan: a factor of 1.33 between neighbours over two decades
 
@@ -78,6 +79,9 @@ class FindResult(Outcome):
         The points that were not solved, e.g. because no steady state exists.
     jumps : tuple of (low, high)
         Intervals in which the output jumps across the target without taking its value.
+    unconfirmed : tuple of (value, reason)
+        Solutions that are solved only from the result for a neighbouring value, and what the solver
+        gives without it.
     quantities : mapping of str to Quantity
         Of the field and the output.
 
@@ -101,6 +105,7 @@ class FindResult(Outcome):
     outputs: Array
     failures: tuple[tuple[float, str], ...] = ()
     jumps: tuple[tuple[float, float], ...] = ()
+    unconfirmed: tuple[tuple[float, str], ...] = ()
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
 
     @property
@@ -156,6 +161,10 @@ class FindResult(Outcome):
         for low, _ in self.jumps:
             place = f"{self.name} = {self._text(self.name, low)}"
             texts.append(f"{self.output} jumps across the target at {place}")
+        for value, reason in self.unconfirmed:
+            place = f"{self.name} = {self._text(self.name, value)}"
+            text = f"{place} is solved only from the result for a neighbouring value; without it"
+            texts.append(f"{text}: {in_chosen_units(reason)}")
         return texts
 
     def _text(self, name: str, value: float) -> str:
@@ -208,6 +217,7 @@ class FindResult(Outcome):
             "scan": np.column_stack([self.values, self.outputs]),  # a row for each point
             "failures": self.failures,
             "jumps": self.jumps,
+            "unconfirmed": self.unconfirmed,
         }
 
 
@@ -238,7 +248,7 @@ def find(
         both sides of the present value, together with the range that is usual in practice; if it
         contains no solution, it is extended as far as the field permits while the output
         approaches the target; for changes of temperature and moisture to five times the usual
-        range, 200 K and 0.25.
+        range, 200 K and 0.25; a thickness of a profile is searched within 4 %, at most 20 %.
     points : int
         Points of the scan, 3 to 1000.  Two solutions between neighbouring points are found only
         if the output shows a minimum or a maximum there.
@@ -295,6 +305,7 @@ def find(
         if not roots:
             search.refine_range()
             roots = search.solutions()
+        differences = [(sample.value, search.difference(sample)) for sample in roots]
     slopes = np.array([_slope(search, sample) for sample in roots])
     errors = np.array([search.error(sample) for sample in roots])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -312,6 +323,7 @@ def find(
         outputs=np.array([sample.output for sample in search.samples]),
         failures=tuple((s.value, s.failure) for s in search.samples if s.failure),
         jumps=tuple(search.jumps),
+        unconfirmed=tuple((value, text) for value, text in differences if text),
         quantities=quantities,
     )
     if not roots:
@@ -355,6 +367,13 @@ def _interval(
     if between is not None:
         low, high = range_in_si(problem, name, between, f"between: {name}")
         return Interval(low, high, (lowest, highest), may_grow=False)
+    near = next((part for part in info.metadata if isinstance(part, SearchedWithin)), None)
+    if near is not None and base:
+        change = near.share * abs(base)
+        lowest = max(lowest, base - LARGEST_CHANGE * change)
+        highest = min(highest, base + LARGEST_CHANGE * change)
+        low, high = max(base - change, lowest), min(base + change, highest)
+        return Interval(low, high, (lowest, highest), may_grow=True)
     if quantity.typical and any(isinstance(part, ValuesWithin) for part in info.metadata):
         largest = max(LARGEST_CHANGE * max(map(abs, quantity.typical)), 2 * abs(base or 0.0))
         lowest, highest = max(lowest, -largest), min(highest, largest)

@@ -18,6 +18,7 @@
 4. Each bracket is solved by Brent's method (scipy.optimize.brentq) on one mesh, on which the output
    is a continuous function of the field.
 5. Without a solution, the smallest and the largest output are computed by the same minimisation.
+6. Every solution is solved again without the initial guess of a neighbour.
 
 Reference: R. P. Brent, Algorithms for Minimization without Derivatives, Prentice-Hall 1973, ch. 4.
 """
@@ -33,6 +34,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arguments import keywords_of
 from ..errors import InvalidProblem, NotConverged
 from .model import KindModel
 from .slopes import on_mesh_of
@@ -60,6 +62,9 @@ WIDTH = 1e-6  # of a bracket, at which Brent's method stops too
 # discretisation, e.g. of an adaptive step, where its error is not known.
 ROUGHNESS = 0.05
 SEARCHES = 4  # bisections of a bracket in which a point cannot be solved
+# Relative difference of two solutions of one problem where the discretisation error is not known:
+# the default tolerance of the solvers.
+SAME = 1e-3
 
 
 class Interval(NamedTuple):
@@ -111,13 +116,15 @@ class Interval(NamedTuple):
 class Sample(NamedTuple):
     """One evaluation: value of the field, output [SI], result.
 
-    Without a solution the result is None, and ``failure`` the reason.
+    Without a solution the result is None, and ``failure`` the reason.  ``is_started`` states that a
+    neighbour supplied the initial guess.
     """
 
     value: float
     output: float
     result: Any
     failure: str = ""
+    is_started: bool = False
 
     @property
     def is_solved(self) -> bool:
@@ -188,7 +195,8 @@ class RootSearch:
             answer = (model or self.model).run({self.name: value}, start)
             output = answer.values[0]
             reason = "" if isfinite(output) else f"{self.output} is {output:g}"
-            sample = Sample(value, output, None if reason else answer.state, reason)
+            state = None if reason else answer.state
+            sample = Sample(value, output, state, reason, start is not None)
         except InvalidProblem as fault:
             sample = Sample(value, nan, None, str(fault).replace("\n", "; "))
         except NotConverged as fault:
@@ -397,6 +405,26 @@ class RootSearch:
             if not any(self.is_root(end) for end in (a, b)):
                 roots += self._solve_bracket(a, b, SEARCHES)
         return sorted(roots, key=lambda sample: sample.value)
+
+    def difference(self, sample: Sample) -> str:
+        """Return how a solution differs from that without a neighbour's initial guess, or ""."""
+        if not sample.is_started or "start" not in keywords_of(self.model.kind.solver):
+            return ""
+        try:
+            model = on_mesh_of(self.model, sample.result)
+            output = model.run({self.name: sample.value}, None).values[0]
+        except InvalidProblem as fault:
+            return str(fault).replace("\n", "; ")
+        except NotConverged as fault:
+            return f"not converged: {fault}"
+        finally:
+            self.report(len(self.samples) + 1)
+        error = self.error(sample)
+        permitted = error if isfinite(error) else SAME * max(self.scale, abs(sample.output))
+        if abs(output - sample.output) <= permitted:
+            return ""
+        quantity = self.model.quantity(self.output)
+        return f"{self.output} = {quantity.stored_text(output, '.6g') if quantity else output}"
 
     def _solve_bracket(self, a: Sample, b: Sample, depth: int) -> list[Sample]:
         """Return the solutions between two samples of different sign; record a jump without one.

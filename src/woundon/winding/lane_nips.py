@@ -50,7 +50,7 @@ from ..roll.lane_roll import NIP_LOADS, POSITION, LaneRoll
 from ..roll.lane_tension import DrumsAcross, TensionOfLanes, tension_in_nips, tension_of_web
 from ..roll.lanes import TensionAt
 from ..roll.result import RollResult
-from ..roll.solve import lanes_of
+from ..roll.solve import Report, lanes_of
 from ..roll.stages import stages_at
 from .bodies import NipSample, solved_nip, tension_on_roll
 from .nips import PRESSURE_TOLERANCE
@@ -497,7 +497,9 @@ def _completed(x: Array, values: Array) -> Array:
     return values
 
 
-def lanes_of_winding(result: WindingFields, rtol: float, count: int) -> LaneRoll:
+def lanes_of_winding(
+    result: WindingFields, rtol: float, count: int, report: Report | None = None
+) -> LaneRoll:
     """Solve for the lanes of a winding.
 
     They are those of a roll at rest, as lanes neglect the centrifugal force, and of thin layers:
@@ -511,13 +513,15 @@ def lanes_of_winding(result: WindingFields, rtol: float, count: int) -> LaneRoll
         Accepted error of the pressure, relative to the largest.
     count : int
         Number of lanes.
+    report : callable, optional
+        Is called with each stage's radius [m], in several passes.
     """
     arrays = result.radius, result.wound_on_tension
     roll = wind(result.problem, *arrays, rtol, result.air_film, rotates=False)
 
     def lanes_with(nips: NipsOfWinding) -> LaneRoll:
         """Return the lanes with the nips solved under some loads."""
-        return lanes_of(roll, result.problem, rtol, count, nips)
+        return lanes_of(roll, result.problem, rtol, count, nips, report)
 
     nips = NipsOfWinding(result, roll.result)
     lanes = lanes_with(nips)

@@ -34,7 +34,7 @@ from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..roll.lane_roll import FEWEST_LANES, LANES, MOST_LANES
 from ..roll.result import RollResult
-from ..roll.solve import LANES_OPTION, WoundRoll
+from ..roll.solve import LANES_OPTION, PASSES_OF_LANES, WoundRoll, pass_reporter
 from .assembly import assemble_result
 from .bodies import tension_on_roll
 from .certificate import LARGEST_COUPLING_RTOL, certificate
@@ -66,6 +66,7 @@ MAX_UNREFINED_ITERATIONS = 10
 # part is the roll, the nips that check measured schedules, and the certificate.
 FIRST_GAIN, LEAST_GAIN, EXPECTED_NIPS = 0.2, 0.05, 16
 OF_ITERATIONS, OF_MEASURED = 0.95, 0.75
+OF_MEAN_WEB = 0.6  # share of the winding of the mean web if lanes follow
 ROUGH_CHANGE = 0.03  # relative change of the tension above which lower accuracies are used
 # Relative change below which radii may be added, or rtol if that is larger.  With larger changes
 # the choice of the radii would depend on the initial guess.
@@ -152,18 +153,27 @@ def solve_winding(
     coupling_tolerance = coupling_rtol
     if coupling_tolerance is None:
         coupling_tolerance = COUPLING_RTOL[problem.roll_body] * max(1.0, rtol / RTOL)
+    has_lanes = problem.thickness_profile is not None
+
+    def report(done: float) -> None:
+        """Report the fraction of the winding of the mean web that is done."""
+        if progress is not None:
+            progress((OF_MEAN_WEB if has_lanes else 1.0) * done)
+
     with unwarned():  # reported once, with the radius
         if not problem.solves_nips:
             result = _solve_prescribed(problem, rtol, nodes, coupling_tolerance)
         elif (smooth := smoothed(problem, rtol)) is not None:
-            winder = _Winder(smooth, rtol, nodes, coupling_tolerance, start, errors, progress)
+            winder = _Winder(smooth, rtol, nodes, coupling_tolerance, start, errors, report)
             result = winder.solve_measured(problem)
         else:
-            winder = _Winder(problem, rtol, nodes, coupling_tolerance, start, errors, progress)
+            winder = _Winder(problem, rtol, nodes, coupling_tolerance, start, errors, report)
             result = winder.solve()
     result = result.replace(residuals=certificate(result)).checked()
-    if problem.thickness_profile is not None:
-        lane_roll = lanes_of_winding(result, rtol, lanes)
+    if has_lanes:
+        radii = problem.core.radius, problem.radius
+        report_lanes = pass_reporter(progress, radii, PASSES_OF_LANES, OF_MEAN_WEB)
+        lane_roll = lanes_of_winding(result, rtol, lanes, report_lanes)
         result = result.replace(
             lane_roll=lane_roll,
             lane_count=lanes,

@@ -81,6 +81,7 @@ function Found({ store, found }) {
       <b>${field.label} = ${text(field, solution.value, 5)}</b>${error(solution)}: ${name} ${text(output, solution.reached, 5)}
       <button type="button" onClick=${() => store.change(found.field, Number(solution.value.toPrecision(6)))}>${T.find.take}</button></li>`)}</ul>
     ${found.solutions.length > 1 && html`<p class="quiet">${T.find.several(found.solutions.length)}</p>`}
+    ${found.unconfirmed.map(({ value, why }) => html`<p key=${value} class="quiet">${T.find.unconfirmed(text(field, value, 5), units.sentence(why))}</p>`)}
     ${found.failures.length > 0 && html`<p class="quiet">${T.find.failed(found.failures.length)}</p>`}
     <${OnePanel} store=${store} name="find" title=${T.panels.curve(name, field.label)} height=${190} cases=${[{ label: "", colour: null, panel }]} />`;
 }

@@ -46,7 +46,7 @@ export const T = {
     add: (title) => `Add a ${title.toLowerCase()}`, numbers: "one number a line", pairs: "two numbers a line",
     item: (title, k, of, ordered) => `${title} ${k}${!ordered ? "" : k === 1 ? ", outermost" : k === of ? ", innermost" : ""}`,
     outward: (title, k) => `Move ${title.toLowerCase()} ${k} outward`, drop: (title, k) => `Remove ${title.toLowerCase()} ${k}`,
-    notNumber: (text, range) => `must be a number, got '${text}'; permitted: ${range}`,
+    notNumber: (text, range) => `'${text}' is not a number; must be ${range}`,
     unknownUnit: (unit, due) => `unknown unit '${unit}'; must be a number${due ? ` in ${due}, or with a unit, e.g. '5 ${due}'` : ""}`,
     separators: (text) => `write a decimal point, and no thousands separator; got '${text}'`,
     needed: (unit, needed) => `'${unit}' is converted with the ${needed} of the web; enter it first`,
@@ -99,6 +99,7 @@ export const T = {
     title: "Find the value of a field for which an output reaches a target",
     field: "Find", output: "such that", target: "equals", mark: "target", run: "Find", busy: "searching", take: "Use this value",
     several: (n) => `${n} values give the target.`, failed: (n) => `${n} points of the search have no solution.`,
+    unconfirmed: (value, reason) => `${value} is solved only from the result for a neighbouring value; without it: ${reason}`,
   },
   fit: {
     title: "Fit to measured values", about: "Estimates unknown inputs of the case from your measured values, such as a friction coefficient from wound-on tensions.",
