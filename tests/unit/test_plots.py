@@ -443,6 +443,13 @@ def test_numbers_of_a_narrow_drawing_to_scale_do_not_touch():
     assert all(right.x0 - left.x1 > 4 for left, right in pairwise(boxes))
 
 
+def test_an_axis_from_zero_has_room_above_its_curve():
+    x = np.linspace(0.0, 1.0, 5)
+    panel = Panel("a", Axis("x"), Axis("y", from_zero=True), curves=(Curve("a", x, 8 + 0.1 * x),))
+    (axes,) = draw_figure([[panel]]).axes
+    assert axes.get_ylim() == pytest.approx((0.0, 1.05 * 8.1))
+
+
 def test_no_power_of_ten_stands_apart_from_the_labels():
     x = np.linspace(2.05e10, 2.3e10, 5)
     panel = Panel("a", Axis("x"), Axis("y"), curves=(Curve("a", x, 1e-7 * x),), width=3.1)

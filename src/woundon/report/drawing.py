@@ -460,7 +460,9 @@ def _format_axis(
     elif axis.from_zero and name == "y":
         finite = np.concatenate([value[np.isfinite(value)] for value in values])
         if finite.min() >= -ROUNDING * abs(finite).max():
-            axes.set_ylim(bottom=0)
+            # the usual margin is a part of the range of the values, which zero extends
+            top = (1 + axes.margins()[1]) * _shown(axis, finite.max())
+            axes.set_ylim(bottom=0, top=max(top, axes.get_ylim()[1]))
 
 
 def _set_log_scale(axes: Axes, name: str, values: Array) -> None:
