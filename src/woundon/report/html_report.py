@@ -186,7 +186,9 @@ def _is_omitted(problem: Problem, place: Place) -> bool:
 
     Another value of a field without effect may have been entered, and is shown.
     """
-    return place.value is None or (place.path in problem.unused and place.value == 0)
+    if place.value is None or place.value == ():
+        return True
+    return place.path in problem.unused and place.value == 0
 
 
 def _named_materials(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
