@@ -238,6 +238,7 @@ class Chart {
       series: [{}, ...(rows ? [{ show: true, stroke: "transparent", points: { show: false } }] : this.lines.map(({ one, curve }) => ({
         scale: curve.right ? "right" : "y", stroke: one.colour ?? colours()[curve.colour] ?? ink,
         width: one.label && one.pinned ? 1.5 : 2, alpha: curve.opacity,
+        pxAlign: 0, // whole pixels would make steps of a slope
         ...(isDots(curve) ? DOTS : { dash: DASHES[curve.line], points: { show: false } }),
       })))],
       hooks: {
