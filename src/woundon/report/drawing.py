@@ -11,6 +11,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -461,7 +462,7 @@ def _format_axis(
         finite = np.concatenate([value[np.isfinite(value)] for value in values])
         if finite.min() >= -ROUNDING * abs(finite).max():
             # the usual margin is a part of the range of the values, which zero extends
-            top = (1 + axes.margins()[1]) * _shown(axis, finite.max())
+            top = (1 + mpl.rcParams["axes.ymargin"]) * _shown(axis, finite.max())
             axes.set_ylim(bottom=0, top=max(top, axes.get_ylim()[1]))
 
 
