@@ -531,4 +531,4 @@ def test_a_winding_tells_its_margins(look):
     seen.rest()
     failing = page.locator(".margins tr.bad")
     assert "core" in failing.inner_text()
-    assert "fails" in failing.inner_text()
+    assert "violated" in failing.inner_text()

@@ -46,6 +46,15 @@ LETTERS = """() => [...document.querySelectorAll("div.figures svg, div.three svg
     const size = svg.getBoundingClientRect(), box = svg.viewBox.baseVal
     return 9 * 0.75 * Math.min(size.width / box.width, size.height / box.height)
 })"""
+# texts of figures that leave them, where they are cut off
+CUT_OFF = """() => [...document.querySelectorAll("figure svg")].flatMap((svg) => {
+    const outer = svg.getBoundingClientRect()
+    return [...svg.querySelectorAll("g[id*=text_]")].filter((text) => {
+        const box = text.getBoundingClientRect()
+        return box.left < outer.left - 0.5 || box.right > outer.right + 0.5
+            || box.top < outer.top - 0.5 || box.bottom > outer.bottom + 0.5
+    }).map((text) => text.id)
+})"""
 PRINTED_WIDTH = 703  # [px] of an A4 page less its margins
 
 
@@ -65,7 +74,9 @@ def test_a_report_has_few_pages_and_readable_figures(browser, name: str) -> None
     page.emulate_media(media="print")
     page.set_content(report)
     letters = page.evaluate(LETTERS)
+    cut_off = page.evaluate(CUT_OFF)
     printed = page.pdf(format="A4", prefer_css_page_size=True)
     page.close()
     assert 1 <= len(re.findall(rb"/Type\s*/Page\b(?!s)", printed)) <= PAGES.get(name, 2)
     assert min(letters) > 4.5
+    assert cut_off == []

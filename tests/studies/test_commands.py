@@ -33,6 +33,8 @@ def test_sweep_writes_tables_and_figures_and_sums_up(
     study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
     out = tmp_path / "out"
+    outputs = 'outputs = ["nip_induced_tension"'
+    study.write_text(STUDY.replace(outputs, f'{outputs}, "half_width"'), encoding="utf-8")
     assert cli.main(["sweep", str(study), "--out", str(out), "--workers", "1"]) == 0
     said = capsys.readouterr()
     first, failed, *_ = said.out.splitlines()
@@ -40,10 +42,12 @@ def test_sweep_writes_tables_and_figures_and_sums_up(
     assert first.endswith("1 failed")
     # mu- P = 200 N/m at the lowest load
     assert failed.startswith("  1 x NoSteadyState: winding_force: 300 is out of range")
+    (width,) = [line for line in said.out.splitlines() if line.startswith("half-width of the nip")]
+    assert width.endswith(" mm")  # as in the figure, not in m
     assert "6/6" in said.err
     assert "cases/s" in said.err
     assert {p.name for p in out.iterdir()} == {
-        "study.sqlite", "study.nc", "study.csv", "nip_induced_tension.png",
+        "study.sqlite", "study.nc", "study.csv", "nip_induced_tension.png", "half_width.png",
     }  # fmt: skip
     assert (out / "nip_induced_tension.png").stat().st_size > 10_000
 

@@ -470,6 +470,9 @@ def test_a_third_set_point_is_in_the_heading_of_the_figure():
         uncertain={"roll_friction": 0.3}, samples=128, workers=1,
     )  # fmt: skip
     (panel,) = window_panels(window)
+    # a nip load that is one number is not only that at the core
+    assert panel.x.label == "web tension upstream of the nip, at the core"
+    assert panel.y.label == "nip load"
     level = window.best.values["core.stiffness"]
     assert panel.heading == f"stiffness of the core (core) {1e-6 * level:.3g} MPa"
     assert window.probability.shape == (33, 33, 3)

@@ -186,7 +186,7 @@ def test_the_verdict_names_the_smallest_reserve_and_what_to_change(
     winding: wo.WindingResult,
 ) -> None:
     loose = wo.margins(winding, wo.Limits(blocking_pressure=1e9))
-    assert loose.verdict.startswith("The roll holds as far as it is checked; smallest margin: ")
+    assert loose.verdict.startswith("The roll holds as far as it is checked; smallest reserve: ")
     assert loose.advice == ""
     tight = wo.margins(winding, wo.Limits(blocking_pressure=1e3, slack_tension=151.0))
     assert tight.verdict.startswith("The roll does not hold: blocking exceeds its limit by ")

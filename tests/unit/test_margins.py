@@ -129,7 +129,7 @@ def test_what_is_worst_before_the_roll_is_finished_is_found(problem: wo.RollProb
     roll = wo.solve(problem.replace(wound_on_tension=falls))
     found = wo.margins(roll, wo.Limits(layer_friction=MU))
     slip = found["slip"]
-    assert slip.note.startswith("when the roll was 90.66 mm")
+    assert slip.note.startswith("when the radius of the roll was 90.66 mm")
     half = roll.at(0.09065625)
     torque = wo.margins(half, wo.Limits(layer_friction=MU))["slip"]
     assert slip.value == pytest.approx(torque.value, rel=2e-3)  # what stages err by default

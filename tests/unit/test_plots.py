@@ -17,7 +17,7 @@ from thesis_cases import film_nip
 
 import woundon as wo
 from woundon import kinds, quantities
-from woundon.quantities import line_load, stress
+from woundon.quantities import Quantity, line_load, stress
 from woundon.report import plots
 from woundon.report.drawing import draw_figure
 from woundon.report.figures import axis_label, symbol_text
@@ -418,6 +418,36 @@ def test_logarithmic_axes_have_at_least_three_labels(ends: tuple[float, float]):
     labels = [text.get_text() for text in axes.get_xticklabels()]
     ticks = zip(axes.get_xticks(), labels, strict=True)
     assert len([label for tick, label in ticks if ends[0] <= tick <= ends[1] and label]) >= 3
+
+
+def test_labels_with_formulas_are_wrapped_between_the_words():
+    share = Quantity("d", "1", "thickness above the mean", "%")
+    label = axis_label(Axis("Thickness above the mean $|sigma_t|/d$", share), 24)
+    assert label == "Thickness above the mean\n$|\\sigma_{\\mathrm{t}}|/d$ [%]"
+    assert axis_label(Axis("Hoop stress $sigma_t$", share), 18) == (
+        "Hoop stress $\\sigma_{\\mathrm{t}}$ [%]"
+    )
+
+
+def test_numbers_of_a_narrow_drawing_to_scale_do_not_touch():
+    x, y = np.array([-0.341, 1.0]), np.array([-0.38, 1.8])
+    millimetres = Quantity("x", "m", "horizontal", "mm")
+    axis = Axis("horizontal", millimetres, limits=(x[0], x[1]))
+    panel = Panel(
+        "a", axis, Axis("vertical", millimetres, limits=(y[0], y[1])), to_scale=True, height=3.6,
+        curves=(Curve("a", x, y, label="a long name in the legend"),), legend="right",
+    )  # fmt: skip
+    (axes,) = draw_figure([[panel]]).axes
+    axes.figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in axes.get_xticklabels() if text.get_text()]
+    assert all(right.x0 - left.x1 > 4 for left, right in pairwise(boxes))
+
+
+def test_an_axis_from_zero_has_room_above_its_curve():
+    x = np.linspace(0.0, 1.0, 5)
+    panel = Panel("a", Axis("x"), Axis("y", from_zero=True), curves=(Curve("a", x, 8 + 0.1 * x),))
+    (axes,) = draw_figure([[panel]]).axes
+    assert axes.get_ylim() == pytest.approx((0.0, 1.05 * 8.1))
 
 
 def test_no_power_of_ten_stands_apart_from_the_labels():

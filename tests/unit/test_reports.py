@@ -319,6 +319,9 @@ def test_inputs_leave_out_zeros_without_effect_only():
     omitted = {place.path for place in quantities.walk(problem) if _is_omitted(problem, place)}
     assert "core_expansion" in omitted
     assert not {"core_shrinkage", "tangential_expansion"} & omitted
+    nip = wo.NipProblem.example()
+    (further,) = (place for place in quantities.walk(nip) if place.path == "next_nips")
+    assert _is_omitted(nip, further)
 
 
 def test_units_are_typeset_alike_in_figures_and_pages():

@@ -40,6 +40,11 @@ def test_the_tension_comes_back_as_a_case(
     assert Path("tension.csv").read_text().splitlines()[0] == header
     message = capsys.readouterr().out
     assert "largest deviation below the outer layer" in message
+    over_radius = message.partition("Over the radius")[2].partition("written")[0].splitlines()
+    rows = [line.split() for line in over_radius[2:]]
+    for place in (0, 2):  # radius and tension: the largest value has five digits in all units
+        largest = max((row[place] for row in rows), key=float)
+        assert len(largest.replace(".", "")) == 5
     by_case = load_case("found.toml")
     lines = [line for line in Path("roll.toml").read_text().splitlines()
              if not line.startswith("wound_on_tension")]  # fmt: skip

@@ -249,7 +249,7 @@ def test_margins_running_and_at_rest():
     assert "running" in both["slip"].note
     r, note = both["slip"].radius, both["slip"].note
     # Coulomb's law at the worst radius, by the pressure of that stage
-    occasion = re.search(r"when the roll was ([\d.]+) mm", note)
+    occasion = re.search(r"when the radius of the roll was ([\d.]+) mm", note)
     stage = run.roll.at(1e-3 * float(occasion[1]) if occasion else 0.3)
     s = float(stage.radius[-1])
     P = np.interp(r, stage.radius, stage.running_pressure)

@@ -133,9 +133,9 @@ def _print_ranges(table: Table) -> None:
     for name, values in table.outputs.items():
         if np.isfinite(values).any():
             quantity = table.quantities[name]
-            unit, converted = quantity.in_table(values)
-            text = f"{quantity.meaning}: {np.nanmin(converted):.5g} to {np.nanmax(converted):.5g}"
-            click.echo(text if unit == "1" else f"{text} {unit}")
+            least, largest = (quantity.shown(f(values)) for f in (np.nanmin, np.nanmax))
+            text = f"{quantity.meaning}: {least:.5g} to {largest:.5g} {quantity.display}"
+            click.echo(text.rstrip())
 
 
 @options.command(

@@ -136,8 +136,9 @@ FOIL_FILM = (
     "less what escapes through the web in one revolution."
 )
 FULL_SLIP_ON_DRUMS = (
-    "The web slips throughout all nips: WOT = T_in + F + mu P behind the rear drum, and behind "
-    "each next nip WOT exp(-mu theta) + F + mu P if that is larger, theta the arc before the nip."
+    "The web slips throughout all nips: WOT = T_in + F + mu P downstream of the rear drum, and "
+    "of each further nip WOT exp(-mu theta) + F + mu P if that is larger, theta the arc "
+    "upstream of it."
 )
 
 

@@ -69,8 +69,8 @@ def contacts_parts(result: NipResult) -> list[Part]:
     ]
     heads = [f"nip {k + 1}" for k in range(len(contacts))]
     text = (
-        "A winding force < 0 drives the web. A nip behind a web that sticks to the roll adds "
-        "nothing: the strain with which the layer was laid is the strain with which it leaves the "
-        "nip; the nip only squeezes the roll."
+        "A winding force < 0 drives the web. A nip downstream of a web that sticks to the roll "
+        "adds nothing: the strain with which the layer was laid is the strain with which it leaves "
+        "the nip; the nip only squeezes the roll."
     )
     return [values_table("Nips of the web on the roll", heads, rows, text)]

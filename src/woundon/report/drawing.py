@@ -11,6 +11,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -325,7 +326,7 @@ def draw_panel(axes: Axes, cases: Sequence[Panel], colours: Colours = (None,)) -
         axes.set_aspect("equal")
         axes.grid(visible=False)
     x = [curve.x for case in cases for curve in case.curves]
-    _format_axis(axes, "x", [case.x for case in cases], x, panel.width)
+    _format_axis(axes, "x", [case.x for case in cases], x, _length_of_x(panel))
     left = [curve.y for case in cases for curve in case.curves if not curve.right]
     _format_axis(axes, "y", [case.y for case in cases], left, panel.height)
     if panel.right:
@@ -338,6 +339,15 @@ def draw_panel(axes: Axes, cases: Sequence[Panel], colours: Colours = (None,)) -
     if len(entries) == 1 and not any(curve.label for curve in panel.curves) and not panel.map:
         return []  # the label of the axis names the only curve
     return entries if alone else _in_grey(entries)
+
+
+def _length_of_x(panel: Panel) -> float:
+    """Return the length of the x axis of a panel [inches], labels of the y axis included."""
+    length = panel.width - (LEGEND_WIDTH if panel.legend == "right" else 0.0)
+    if panel.to_scale and panel.x.limits and panel.y.limits:
+        (left, right), (low, high) = panel.x.limits, panel.y.limits
+        length = min(length, panel.height * (right - left) / (high - low))
+    return length
 
 
 def _write_note(axes: Axes, note: str) -> None:
@@ -451,7 +461,9 @@ def _format_axis(
     elif axis.from_zero and name == "y":
         finite = np.concatenate([value[np.isfinite(value)] for value in values])
         if finite.min() >= -ROUNDING * abs(finite).max():
-            axes.set_ylim(bottom=0)
+            # the usual margin is a part of the range of the values, which zero extends
+            top = (1 + mpl.rcParams["axes.ymargin"]) * _shown(axis, finite.max())
+            axes.set_ylim(bottom=0, top=max(top, axes.get_ylim()[1]))
 
 
 def _set_log_scale(axes: Axes, name: str, values: Array) -> None:

@@ -60,6 +60,8 @@ ZONE_COLOURS = {-1: COLOURS["amber"], 0: "#F0F0F0", 1: COLOURS["sky"]}
 ZONE_HATCHES = {-1: "\\\\\\\\", 0: "", 1: "////"}
 FORMULA = re.compile(r"\$([^$]*)\$")  # in a label
 UNIT = re.compile(r"(?<=\d )[A-Za-z][A-Za-z0-9/*^.]*")  # after a number in a label, or a word
+PLACE = "\ue000"  # a character of a formula while a label is wrapped
+PLACES = re.compile(f"{PLACE}+")
 WORD = re.compile(r"[A-Za-z]+\d*(?:_\w+)?[+-]?")  # a symbol in a formula
 
 _STYLE: Any = {
@@ -202,11 +204,16 @@ def named_value(path: str, quantity: Quantity | None, value: object) -> str:
 
 
 def axis_label(axis: Axis, width: int = 60) -> str:
-    """Return "label [unit]", words wrapped to a number of characters per line."""
+    """Return "label [unit]", wrapped to a number of characters per line, formulas as one word."""
     unit = unit_of(axis.quantity) if axis.quantity else ""
-    label = formulas(axis.label)
-    words = label if "$" in label else wrapped_text(label, width)
-    return f"{words} [{unit}]".lstrip() if unit else words
+    label = f"{axis.label} [{unit}]".lstrip() if unit else axis.label
+    known = iter(FORMULA.findall(label))
+    # a symbol with its index, of any name, is about two characters wide
+    lengths = FORMULA.sub(
+        lambda formula: PLACE * len(WORD.sub(lambda word: word[0][:2], formula[1])), label
+    )
+    words = wrapped_text(lengths, width)
+    return formulas(PLACES.sub(lambda _: f"${next(known)}$", words))
 
 
 def formulas(label: str) -> str:

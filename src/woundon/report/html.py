@@ -101,7 +101,7 @@ def _symbol(word: str) -> str:
 # and "N/m", or names as "web_tension".
 _LETTER = r"(?<!\d )[B-Z]\d?(?!\w|/[a-z])"
 _LETTERS = "|".join(sorted(GREEK))
-_ONE = rf"(?:(?:[A-Za-z]|{_LETTERS})_\w{{1,3}}\b|(?:{_LETTERS})\b[+-]?|{_LETTER})"
+_ONE = rf"(?:(?:[A-Za-z]|{_LETTERS})_\w{{1,4}}\b|(?:{_LETTERS})\b[+-]?|{_LETTER})"
 _TERM = rf"-?{_ONE}(?:/{_ONE})?"
 # symbols on their own, or with operators between them: "WOT - T_in", "F = -M2/R2"
 _FORMULA = re.compile(rf"(?<![\w.'=/-])(?:(?:{_TERM}|WOT|NIT) [=+-] )*{_TERM}")
@@ -175,7 +175,7 @@ CELLS: Mapping[str, tuple[Callable[[str], str], str]] = {
 
 def table_html(table: Table) -> str:
     """Return a table under its title; remarks on a row are below it."""
-    caption = f'<caption style="{LEFT};font-weight:bold">{escape(table.title)}</caption>'
+    caption = f'<caption style="{LEFT};font-weight:bold">{label_html(table.title)}</caption>'
     head = "".join(
         f'<th style="{RIGHT if kind == "number" else LEFT}">{label_html(word)}</th>'
         for word, kind in table.columns

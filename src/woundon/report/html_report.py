@@ -186,7 +186,9 @@ def _is_omitted(problem: Problem, place: Place) -> bool:
 
     Another value of a field without effect may have been entered, and is shown.
     """
-    return place.value is None or (place.path in problem.unused and place.value == 0)
+    if place.value is None or place.value == ():
+        return True
+    return place.path in problem.unused and place.value == 0
 
 
 def _named_materials(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
@@ -256,19 +258,16 @@ def _with_error(row: Row) -> str:
 def _figure(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     """Yield the figure of the cases as inline SVG; nothing for kinds without common panels."""
     try:
-        figures = figures_of_columns(results, names)
+        figures = figures_of_columns(results, names, PRINTED, LOW)
     except InvalidProblem as fault:
         yield f"<p>{escape(str(fault))}</p>"
         return
     drawing = scale_drawing(results[0]) if len(results) == 1 else None
     if drawing is not None:
         yield _inline(drawing, "drawing to scale", 0)
-    many = len(figures) > 2
     # of three the last one stands next to the other two
     yield f'<div class="{"three" if len(figures) == 3 else "figures"}">'
     for number, (names_of_panels, figure) in enumerate(figures, 1):
-        width, height = figure.get_size_inches()
-        figure.set_size_inches(PRINTED * width, PRINTED * height * (LOW if many else 1))
         yield _inline(figure, names_of_panels, number)
     yield "</div>"
 

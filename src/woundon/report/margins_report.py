@@ -69,7 +69,7 @@ def _note(margin: Margin) -> str:
     """Return the note of a margin, with advice if its reserve is small or negative."""
     small = margin.checked and margin.reserve < SMALL
     stored = in_chosen_units(margin.note)
-    advice = f"to increase the margin: {margin.hint}" if small else ""
+    advice = f"to increase the reserve: {margin.hint}" if small else ""
     return "; ".join(filter(None, (stored, advice)))
 
 
@@ -81,5 +81,5 @@ def _verdict_text(margin: Margin) -> str:
         return margin.verdict
     distance = margin.distance
     return (
-        f"{margin.verdict}, margin {distance}" if margin.ok else f"{margin.verdict} by {distance}"
+        f"{margin.verdict}, reserve {distance}" if margin.ok else f"{margin.verdict} by {distance}"
     )

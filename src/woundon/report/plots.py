@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, overload
 
@@ -107,9 +108,18 @@ def figure_for_file(
 
 
 def figures_of_columns(
-    results: Sequence[Result], labels: Sequence[str]
+    results: Sequence[Result], labels: Sequence[str], size: float = 1.0, low: float = 1.0
 ) -> list[tuple[str, Figure]]:
     """Return each column of the figure of :func:`plot` as a figure, with the names of its panels.
+
+    Parameters
+    ----------
+    results, labels
+        As of :func:`plot`.
+    size : float
+        Of the panels, relative to those of :func:`plot`; letters have their usual size.
+    low : float
+        Further factor of the heights of more than two columns.
 
     Raises
     ------
@@ -119,6 +129,17 @@ def figures_of_columns(
     columns: dict[str, list[list[Panel]]] = {}
     for cases in _panels(results, None):
         columns.setdefault(cases[0].column, []).append(cases)
+    height = size * (low if len(columns) > 2 else 1.0)
+    columns = {
+        name: [
+            [
+                replace(panel, width=size * panel.width, height=height * panel.height)
+                for panel in cases
+            ]
+            for cases in column
+        ]
+        for name, column in columns.items()
+    }
     return [
         (", ".join(cases[0].name for cases in column), draw_figure(column, labels, lettered=False))
         for column in columns.values()

@@ -188,10 +188,10 @@ def hoop_stress(roll: RollResult) -> Panel:
 
 def residual_tension(roll: RollResult) -> Panel:
     """Return the panel of the residual tension of the layers, the hoop stress times thickness."""
-    words = "Residual tension of the layers"
+    title, label = "Residual tension of the layers", "Residual tension $T_r$"
     thickness = float(roll.problem.web_thickness)
     return _stress_of_layers(
-        roll, "residual_tension", title=words, label=words, thickness=thickness
+        roll, "residual_tension", title=title, label=label, thickness=thickness
     )
 
 

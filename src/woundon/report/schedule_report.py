@@ -97,16 +97,18 @@ def _over_the_radius(design: TensionDesign, roll: RollResult) -> Table:
     r, target = design.radius[nearest], design.target_pressure[nearest]
     T, P = design.tension.at(r), roll.at_radius(r)["pressure"]
     radius, stress = (quantity_of(RollResult, name) for name in ("radius", "pressure"))
-    contents = (  # title, quantity, values [SI], decimals
-        ("radius", radius, r, 2),
-        ("tension", WOT, T, 2),
-        ("target", stress, target, 3),
-        ("result", stress, P, 3),
+    contents = (  # title, quantity, values [SI], significant digits of the largest value
+        ("radius", radius, r, 5),
+        ("tension", WOT, T, 5),
+        ("target", stress, target, 6),
+        ("result", stress, P, 6),
     )
     columns: list[Column] = []
     cells: list[list[str]] = []
-    for title, quantity, values, decimals in contents:
-        shown = np.round(quantity.shown(values), decimals) + 0.0  # without a minus zero
+    for title, quantity, values, digits in contents:
+        shown = quantity.shown(values)
+        decimals = max(digits - 1 - int(np.floor(np.log10(np.max(shown)))), 0)
+        shown = np.round(shown, decimals) + 0.0  # without a minus zero
         columns += [Column(title, "number"), Column("", "unit")]
         cells += [[f"{value:.{decimals}f}" for value in shown], [quantity.display] * r.size]
     rows = tuple(map(TableRow, zip(*cells, strict=True)))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..problems.paths import get_field
 from ..problems.winding import SCHEDULES
 from ..quantities import Quantity
 from ..roll.result import RollResult
@@ -373,14 +374,15 @@ def window_panels(window: OperatingWindow) -> list[Panel]:
         (*(SERIES[k % 6] for k in range(len(margins))), "soft"),
     )
     contours = tuple(
-        Contour(level, f"P = {level:g}", line) for level, line in zip(LEVELS, LINES, strict=True)
+        Contour(level, f"probability {level:g}", line)
+        for level, line in zip(LEVELS, LINES, strict=True)
     )
     best_x, best_y = (np.array([best.values[name]]) for name in window.names[:2])
     point = Curve(
         "",
         best_x,
         best_y,
-        label=f"largest P = {best.probability:.2f}",
+        label=f"largest probability, {best.probability:.2f}",
         colour="ink",
         line="none",
         marker="ring",
@@ -402,8 +404,12 @@ def window_panels(window: OperatingWindow) -> list[Panel]:
 
 
 def _set_point_axis(window: OperatingWindow, k: int) -> Axis:
-    """Return the axis of a set point; the values of a schedule are those at the core."""
+    """Return the axis of a set point; the values of a schedule are those at the core.
+
+    A field that is one number has the same value at every radius.
+    """
     name, values = window.names[k], window.axes[k]
     quantity = window.quantities[name]
-    place = ", at the core" if name in SCHEDULES else ""
+    is_schedule = name in SCHEDULES and not isinstance(get_field(window.problem, name), float)
+    place = ", at the core" if is_schedule else ""
     return Axis(f"{quantity.meaning}{place}", quantity, limits=(values[0], values[-1]))

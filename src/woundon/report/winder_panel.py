@@ -50,8 +50,8 @@ def winder_panel(result: WindingResult) -> Panel:
     )
     return Panel(
         "winder",
-        Axis("horizontal", size, limits=x_ends),
-        Axis("vertical", size, limits=y_ends),
+        Axis("Horizontal", size, limits=x_ends),
+        Axis("Vertical", size, limits=y_ends),
         title="Winder, to scale",
         curves=tuple(curves),
         to_scale=True,

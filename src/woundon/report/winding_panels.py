@@ -210,7 +210,7 @@ def film(result: WindingResult) -> Panel:
     highest = max(stages, key=lambda roll: roll.peak_pressure)
     return Panel(
         "film",
-        Axis("radius", quantity_of(result.roll, "radius")),
+        Axis("Radius", quantity_of(result.roll, "radius")),
         Axis(""),
         title="Pressure in the growing roll",
         discs=tuple(discs),

@@ -236,7 +236,7 @@ class Margins(Presented, tuple[Margin, ...]):
         if not violated:
             so_far = " as far as it is checked" if unchecked else ""
             return (
-                f"The roll holds{so_far}; smallest margin: {least.title}, {least.distance}{rest}."
+                f"The roll holds{so_far}; smallest reserve: {least.title}, {least.distance}{rest}."
             )
         if isinf(least.value):
             return f"The roll does not hold: {least.title}, because {least.distance}{rest}."
@@ -251,7 +251,7 @@ class Margins(Presented, tuple[Margin, ...]):
             return ""
         others = [self[name].title for name in self.violated if name != least.name]
         also = f" Also violated: {', '.join(others)}." if others else ""
-        return f"To enlarge this margin: {least.hint}.{also}"
+        return f"To increase this reserve: {least.hint}.{also}"
 
     @property
     def slip(
@@ -829,7 +829,7 @@ def _worst(states: list[_State], values: list[Array]) -> _WorstValue:
     elif state.surface == final.surface:
         stage = "of the running roll"
     else:
-        stage = f"when the roll was {LENGTH.stored_text(state.surface)}"
+        stage = f"when the radius of the roll was {LENGTH.stored_text(state.surface)}"
         stage += f", {state.motion}" if state.motion else ""
     # at radii of the finished roll; -inf beyond the surface of a stage, where it has no layers
     over_radius = [

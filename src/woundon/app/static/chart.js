@@ -237,7 +237,8 @@ class Chart {
       ],
       series: [{}, ...(rows ? [{ show: true, stroke: "transparent", points: { show: false } }] : this.lines.map(({ one, curve }) => ({
         scale: curve.right ? "right" : "y", stroke: one.colour ?? colours()[curve.colour] ?? ink,
-        width: one.label && one.pinned ? 1.5 : 2, alpha: curve.opacity,
+        width: (one.label && one.pinned ? 0.9 : 1.25) * (curve.width ?? 1.6), alpha: curve.opacity,
+        pxAlign: 0, // whole pixels would make steps of a slope
         ...(isDots(curve) ? DOTS : { dash: DASHES[curve.line], points: { show: false } }),
       })))],
       hooks: {
@@ -487,7 +488,7 @@ export function Swatch({ curve, colour }) {
   const style = { stroke: colour ?? `var(--${curve.colour})` };
   return html`<svg class="swatch" width="26" height="8" aria-hidden="true">${isDots(curve)
     ? html`<circle cx="13" cy="4" r="3" fill="none" style=${style} stroke-width="1.5" />`
-    : html`<line x1="1" x2="25" y1="4" y2="4" style=${style} stroke-width="2.2" stroke-dasharray=${SWATCH[curve.line]} />`}</svg>`;
+    : html`<line x1="1" x2="25" y1="4" y2="4" style=${style} stroke-width=${1.4 * (curve.width ?? 1.6)} opacity=${curve.opacity} stroke-dasharray=${SWATCH[curve.line]} />`}</svg>`;
 }
 
 /** A panel with its legend, in which the values under the pointer stand. */

@@ -271,7 +271,7 @@ export function Sections({ store }) {
   const { answer: report, stale } = store.extra("report");
   return useMemo(() => report?.sections && html`<details class=${`sections${stale ? " stale" : ""}`} open>
     <summary>${T.results.report}</summary>
-    <div class="section-grid">${report.sections.map((section) => html`<section key=${section.title}><h3>${section.title}</h3>
+    <div class="section-grid">${report.sections.map((section) => html`<section key=${section.title}><h3><${Label} of=${section.title} /></h3>
       <table><tbody>${section.rows.map((row, k) => html`<tr key=${k}><th scope="row"><${Label} of=${row.label} /></th><td class="symbol"><${Symbol} of=${row.symbol} /></td>
         <${SectionValue} store=${store} row=${row} /><td class="note">${store.units.sentence(row.note.replace(/^,\s*/, ""))}</td></tr>`)}</tbody></table>
       ${section.text && html`<p>${store.units.sentence(section.text)}</p>`}</section>`)}</div>

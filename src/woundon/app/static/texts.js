@@ -125,7 +125,7 @@ export const T = {
     add: "Add a point", fewer: "Replace them by five points to drag",
     many: (n) => `The schedule has ${n} points, too many to edit by dragging; edit the numbers in the form.`,
     noLimits: "Enter your limits here, or choose a grade above the form: it has typical ones.",
-    margins: "Margins", good: "holds", bad: "fails", open: "not checked", limit: "limit", radius: "Radius",
+    margins: "Margins", good: "holds", bad: "violated", open: "not checked", limit: "limit", radius: "Radius",
     point: (k, r, v) => `point ${k}: ${v} at radius ${r}`,
   },
   design: {

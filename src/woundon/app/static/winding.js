@@ -42,7 +42,7 @@ function Margins({ store }) {
       const { quantity } = margin;
       const text = (value) => (value == null ? "–" : `${digits(units.shown(quantity, value))} ${units.text(quantity)}`);
       return html`<tr key=${margin.name} class=${word(margin)} title=${[units.sentence(margin.note), margin.hint].filter(Boolean).join("; ")}><th scope="row">${margin.title}<span class="quiet"> ${quantity.label}</span></th><td>${text(margin.value)}</td><td><${Limit} ...${{ store, margin, text }} /></td>
-        <td>${margin.radius == null ? "–" : digits(units.shown(LENGTH, margin.radius), 4)}</td><td><span class="mark" aria-hidden="true">${MARKS[word(margin)]}</span> ${T.winding[word(margin)]}</td></tr>`;
+        <td>${margin.radius == null ? "–" : digits(units.shown(LENGTH, margin.radius), 4)}</td><td><span class="mark" aria-hidden="true">${MARKS[word(margin)]}</span> <span class="verdict">${T.winding[word(margin)]}</span></td></tr>`;
     })}</tbody></table></div>
     ${!store.grade && margins.filter(({ limit }) => limit == null).length > margins.length / 2 && html`<p class="quiet">${T.winding.noLimits}</p>`}</section>`;
 }

@@ -23,11 +23,12 @@ const setPoints = (tables) => [TENSION, loadOf(tables), SPLIT, ...(tables.thickn
 const widthOf = ({ thickness_profile: { position } }) => position.at(-1) - position[0];
 const PROBABILITY = { label: T.window.probability, unit: "1", shown_unit: "" };
 
-/** The label of a set point: of a schedule, its value at the core. */
+/** The label of a set point: of a schedule that changes over the radius, its value at the core. */
 function labelAt(store, path) {
   const field = store.fieldAt(path);
   const label = labelOf({ path, field });
-  return field.members?.some((member) => isSchedule(member.form)) ? T.window.atCore(label) : label;
+  const changes = field.members?.some((member) => isSchedule(member.form)) && typeof at(store.state.case, path) === "object";
+  return changes ? T.window.atCore(label) : label;
 }
 
 export function Window({ store }) {
