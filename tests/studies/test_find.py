@@ -146,7 +146,7 @@ PROFILE = wo.ThicknessProfile(position=[0.0, 0.5, 1.0, 1.5], thickness=[1.0, 1.0
     ],
 )
 def test_a_profile_is_searched_near_its_values(name: str, value: float, low: float, high: float):
-    """Round trip.  Lanes of the thinnest and the thickest permitted web take half an hour."""
+    """Round trip.  A lane of half or one and a half of the mean takes more than seven minutes."""
     roll = wo.RollProblem.example().replace(thickness_profile=PROFILE)
     rough = {"rtol": 0.05, "lanes": 6}
     worst = wo.solve(roll.replace(**{name: value}), **rough).worst_lane.pressure

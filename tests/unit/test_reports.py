@@ -234,9 +234,9 @@ def test_the_derivatives_of_a_roll_are_printed_in_the_chosen_units():
     """Its fields are those of neither nips nor rollers; changes of temperature are in degF."""
     roll = wo.RollProblem.example().replace(radial_expansion=1e-4, temperature_change=-20.0)
     found = wo.derivatives(wo.solve(roll, rtol=0.1), "temperature_change", "radial_expansion")
-    assert "temperature_change        -20 K " in str(found)
+    assert "temperature_change -20 K " in " ".join(str(found).split())
     with units_of(["mill"]):
-        assert "temperature_change        -36 degF " in str(found)
+        assert "temperature_change -36 degF " in " ".join(str(found).split())
         html = found._repr_html_()
     assert ">-36 °F<" in html
     assert ">5.5556e-05 1/°F<" in html
