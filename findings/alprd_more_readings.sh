@@ -9,8 +9,8 @@
 #   instrument. Readings without any scatter have a similar effect: zero over the first part of the roll.
 # Output: roll from 50 mm, 0.1 mm of caliper at 10 m/s, 778 s, radius in whole mm. One reading a second: the derivative scatters by
 #   3 % about the exact one. Five: 160 %, 24 % of the values are 0; ten: 240 %, 56 % are 0; in both the median caliper is 0.
-#   In 0.1 mm, 10 Hz: 0.2 %, and 50 Hz: 160 %. Exact radii, 1 Hz: 0 over the first 149 s, then 79 um and rising. The resolution check, on by
-#   default, warns in none of these cases (at 2 Hz it does).
+#   In 0.1 mm, 10 Hz: 0.2 %, and 50 Hz: 160 %. Exact radii, 1 Hz: 0 over the first 149 s, then 79 um and rising. The
+#   resolution check, on by default, warns in none of these cases (at 2 Hz it does).
 # Documented: the package calls itself tuning-free, for noisy data; quantised data was not found in its description.
 # Why it matters: the caliper of the wound web is 2 pi r dr/dL. Recording faster is the usual step to improve it, encoders and
 #   ultrasonic sensors deliver whole mm, and the standard error of zero says that the derivative is exact.
