@@ -6,14 +6,14 @@
 # Behaviour: the width of the window follows from the scatter of the readings. Where several successive readings are equal the
 #   scatter is taken for zero, and the narrowest windows are chosen: the derivative is that of the steps, zero on them and many
 #   times too large between them, with a standard error of zero. What counts is the number of readings per step of the
-#   instrument. Readings without any scatter have a similar effect: zero over the first part of the roll.
+#   instrument. Readings without any scatter give zero over the first part of the roll (cause not examined).
 # Output: roll from 50 mm, 0.1 mm of caliper at 10 m/s, 778 s, radius in whole mm. One reading a second: the derivative scatters by
 #   3 % about the exact one. Five: 160 %, 24 % of the values are 0; ten: 240 %, 56 % are 0; in both the median caliper is 0.
-#   In 0.1 mm, 10 Hz: 0.2 %, and 50 Hz: 160 %. Exact radii, 1 Hz: 0 over the first 149 s, then 79 um and rising. The resolution check, on by
-#   default, warns in none of these cases (at 2 Hz it does).
+#   In 0.1 mm, 10 Hz: 0.2 %, and 50 Hz: 160 %. Exact radii, 1 Hz: 0 over the first 149 s, then 79 um and rising. The
+#   resolution check, on by default, warns in none of these cases (at 2 Hz it does).
 # Documented: the package calls itself tuning-free, for noisy data; quantised data was not found in its description.
-# Why it matters: the caliper of the wound web is 2 pi r dr/dL. Recording faster is the usual step to improve it, encoders and
-#   ultrasonic sensors deliver whole mm, and the standard error of zero says that the derivative is exact.
+# Why it matters: the caliper of the wound web is 2 pi r dr/dL. Recording faster is the usual step to improve it, a radius in
+#   whole mm is common, and the standard error of zero says that the derivative is exact.
 # Remedy: one reading for each step or two, or a differentiation with a window that is given, over several steps.
 . "$(dirname "$0")/environment" alprd==2.4.0 numpy==2.4.6 scipy==1.17.1
 python - <<'EOF'

@@ -10,8 +10,8 @@
 #   start 12 s apart: written, both start at 0. A file by npTDMS with channels that start 0.2 s apart, at 10:00:00.9 and
 #   10:00:01.1: read as 1 s apart.
 # Documented: not found.
-# Why it matters: the file is valid, and every reader (npTDMS, LabVIEW, woundon) joins the channels as if they had started
-#   together: tension against the radius is shifted by the seconds between the starts of the recorders.
+# Why it matters: the file is valid, and a reader can only join the channels as if they had started together, as woundon
+#   does: tension against the radius is shifted by the seconds between the starts of the recorders.
 # Remedy: nptdms.TdmsWriter with wf_start_time for each channel.
 . "$(dirname "$0")/environment" sdypy-io-tdms==0.1.2 sdypy-sep005==1.0.1 npTDMS==1.13.0 numpy==2.4.6
 python -W ignore - <<'EOF'

@@ -5,7 +5,8 @@
 # Versions: scikit-gstat 1.0.26, GSTools 1.7.0.
 # Behaviour: "sill" in describe() of scikit-gstat is the partial sill, without the nugget; the export takes it for the whole sill
 #   and subtracts the nugget: var = sill - nugget. The whole variance of the exported model equals the partial sill. If the
-#   nugget is larger than the partial sill, GSTools raises "var needs to be >= 0.0". Without a nugget all models agree to 1e-14.
+#   nugget is larger than the partial sill, GSTools raises "var needs to be >= 0.0". Without a nugget the models
+#   agree (spherical, exponential, Gaussian, cubic, stable).
 # Output: grammage with a scatter of the gauge of 1 g/m2 and a formation of 2 g/m2. Gaussian model: fitted nugget 1.48 and
 #   partial sill 4.17 (g/m2)^2, in all 5.65; exported 1.48 and 2.69, in all 4.17. A simulated web has the standard deviation 2.04
 #   instead of 2.38 g/m2. With a scatter of 2 and a formation of 1 g/m2: ValueError.
