@@ -275,11 +275,11 @@ def test_temperatures_are_shown_in_their_scale(scale: str) -> None:
     curve = wo.master_curve(tables, f"40 {scale}")
     assert curve.scale == scale
     assert f"Hz at 40 {scale} from" in curve.answer()[0]
-    figure = curve.plot()
+    figure, printed = curve.plot(), scale.replace("deg", "°")
     moduli, shifts = figure.axes[:2]
-    assert moduli.get_ylabel() == f"Moduli at 40 {scale} [MPa]"
-    assert shifts.get_xlabel() == f"Temperature $T$ [{scale.replace('deg', '°')}]"
-    assert f"$T$ = 25 {scale}" in {line.get_label() for line in moduli.get_lines()}
+    assert moduli.get_ylabel() == f"Moduli at 40 {printed} [MPa]"
+    assert shifts.get_xlabel() == f"Temperature $T$ [{printed}]"
+    assert f"$T$ = 25 {printed}" in {line.get_label() for line in moduli.get_lines()}
     plt.close(figure)
 
 
