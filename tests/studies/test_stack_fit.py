@@ -105,7 +105,7 @@ def test_compression_may_be_negative_and_the_load_cell_have_an_offset():
          "is out of range; must be < 1, at which the stack has no thickness left; check the units"),
         ({"Kraft [kN]": None}, {}, "has no column pressure or force; its columns are"),
         ({"pressure [Pa]": np.arange(300.0)}, {"area": AREA}, "area: is given, but the file has"),
-        ({}, {"area": AREA, "height": HEIGHT, "branch": "up"}, "branch: 'up' is unknown; must be loading or"),
+        ({}, {"area": AREA, "height": HEIGHT, "branch": "up"}, "branch: 'up' is unknown; must be"),
         ({}, {"area": AREA, "height": HEIGHT, "preload": "1 GPa"}, "must have at least 4"),
     ],
 )  # fmt: skip
