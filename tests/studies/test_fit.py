@@ -288,6 +288,7 @@ def test_known_parameters_of_a_nip_are_recovered():
     assert fit.rms < 1e-4
     assert fit.problem.roll_friction == fit.estimate("roll_friction")
     assert fit.problem.roll.material.shear == fit.estimate("roll.material.shear")
+    assert fit.degrees_of_freedom == fit.measured.size - 2
     record = json.loads(fit.to_json())
     assert record["names"] == list(vary)
     assert record["units"]["roll.material.shear"] == "Pa"

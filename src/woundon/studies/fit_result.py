@@ -110,6 +110,11 @@ class FitResult(Outcome):
     problem: Any = None
 
     @property
+    def degrees_of_freedom(self) -> int:
+        """Number of measured values less that of the parameters."""
+        return self.measured.size - len(self.names)
+
+    @property
     def not_identified(self) -> tuple[str, ...]:
         """Names of the parameters that the data do not identify: standard error above 100 %."""
         errors = zip(self.names, self.estimates, self.standard_errors, strict=True)
