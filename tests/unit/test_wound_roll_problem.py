@@ -335,3 +335,12 @@ def test_the_axis_shows_the_compression_as_wound():
     before = next(curve for curve in panel.curves if curve.name == "hoop_stress_as_wound")
     assert before.y.min() < 2 * roll.least_hoop_stress
     assert panel.y.cut[0] < before.y.min()
+
+
+@pytest.mark.parametrize("radius", [None, "wide", [0.1, None]])
+def test_a_radius_that_is_no_number_is_rejected(radius) -> None:
+    roll = wo.solve(wo.RollProblem.example(), rtol=1e-2)
+    with pytest.raises(wo.InvalidProblem, match=r"^radius: .* must be >= 0.0445 and <= 0.15"):
+        roll.at_radius(radius)
+    with pytest.raises(wo.InvalidProblem, match="None is not a number"):
+        roll.at_radius(None)

@@ -181,3 +181,19 @@ def test_the_cross_stiffness_of_a_roller_may_be_zero():
     )
     quotient = (4 * near.half_width - far.half_width - 3 * result.half_width) / (2 * step)
     assert exact.derivatives.item() == pytest.approx(quotient, rel=1e-5)
+
+
+def test_outputs_that_are_evaluated_on_request_have_their_derivatives() -> None:
+    """The approach and the slip lengths are left out where others are differentiated."""
+    nip = random_nip(3)
+    step = 1e-4 * nip.nip_load
+    result = wo.solve(nip, nodes=41)
+    (mesh,) = result.refinement.meshes[-1:]
+    assert "approach" not in mesh.system.outputs(mesh.state, mesh.active, ["half_width"])
+    slopes = result.sensitivity("nip_load", outputs=["approach", "dual"])
+    below, above = (
+        wo.solve(nip.replace(nip_load=nip.nip_load + sign * step), nodes=41, start=result)
+        for sign in (-1, 1)
+    )
+    difference = (above.approach - below.approach) / (2 * step)
+    assert slopes.derivative("approach", "nip_load") == pytest.approx(difference, rel=1e-5)

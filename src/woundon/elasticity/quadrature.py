@@ -15,6 +15,8 @@ Array = np.ndarray
 def gauss_rule(count: int) -> tuple[Array, Array]:
     """Return points and weights of Gauss's rule on [-1, 1], (count,) each."""
     points, weights = np.polynomial.legendre.leggauss(count)
+    for each in (points, weights):
+        each.setflags(write=False)  # the same arrays for all callers
     return points, weights
 
 

@@ -39,6 +39,8 @@ def radii_on_roll(
     must = f"must be >= {core:.6g} and <= {surface:.6g} [m], on the roll"
     try:
         r = np.asarray(radius, dtype=float)
+        if radius is None:  # nan to NumPy
+            raise TypeError
     except (TypeError, ValueError):
         raise InvalidProblem.at(name, f"{quote(radius)} is not a number; {must}") from None
     outside = r[~is_within(r, core, surface)]
